@@ -1,0 +1,83 @@
+//! The inner loops, over plain slices and numbers, and all `unsafe` of the crate.
+//!
+//! One run-time dispatch picks the instruction set; the scalar twin of each kernel defines its result, bit for bit.
+
+use crate::error::{Error, Result};
+use std::cell::Cell;
+use std::sync::OnceLock;
+
+/// Instruction sets that kernels are written for, weakest first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Isa {
+    /// Plain Rust: the definition.
+    Scalar,
+    /// x86-64 with AVX2.
+    Avx2,
+    /// x86-64 with AVX-512 F, BW, VL, DQ and VBMI.
+    Avx512,
+}
+
+thread_local! {
+    static FORCED: Cell<Option<Isa>> = const { Cell::new(None) };
+}
+
+impl Isa {
+    /// All sets with the words that `MULTUM_SIMD` knows for them.
+    pub const NAMES: [(&'static str, Self); 3] =
+        [("scalar", Self::Scalar), ("avx2", Self::Avx2), ("avx512", Self::Avx512)];
+
+    /// Whether this machine has the set.
+    pub fn is_supported(self) -> bool {
+        match self {
+            Self::Scalar => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => is_x86_feature_detected!("avx2"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => {
+                is_x86_feature_detected!("avx2")
+                    && is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512bw")
+                    && is_x86_feature_detected!("avx512vl")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vbmi")
+            }
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
+        }
+    }
+
+    /// The sets that this machine has, weakest first.
+    pub fn available() -> Vec<Self> {
+        Self::NAMES.iter().map(|(_, isa)| *isa).filter(|isa| isa.is_supported()).collect()
+    }
+
+    /// The set that kernels use on this thread: the one forced by [`with_isa`], else the one that the
+    /// environment variable `MULTUM_SIMD` names, else the best there is. A word that is unknown or a set
+    /// that is absent in `MULTUM_SIMD` is ignored.
+    pub fn current() -> Self {
+        static DEFAULT: OnceLock<Isa> = OnceLock::new();
+        FORCED.get().unwrap_or_else(|| {
+            *DEFAULT.get_or_init(|| {
+                let wish = std::env::var("MULTUM_SIMD").ok();
+                let named = wish.and_then(|w| Self::NAMES.iter().find(|(n, _)| *n == w).map(|(_, isa)| *isa));
+                let best = Self::available().pop().unwrap_or(Self::Scalar);
+                named.filter(|isa| isa.is_supported()).unwrap_or(best)
+            })
+        })
+    }
+}
+
+/// Runs `work` with every kernel on this thread using `isa`. Kernels must read [`Isa::current`] on the
+/// calling thread, before work is handed to others.
+///
+/// # Errors
+/// [`Error::Value`] when the machine lacks the set.
+pub fn with_isa<R>(isa: Isa, work: impl FnOnce() -> R) -> Result<R> {
+    if !isa.is_supported() {
+        return Err(Error::value("isa", format!("{isa:?}"), format!("one of {:?}", Isa::available())));
+    }
+    let before = FORCED.replace(Some(isa));
+    let result = work();
+    FORCED.set(before);
+    Ok(result)
+}

@@ -1,0 +1,65 @@
+//! Small numeric helpers that know nothing about images.
+
+/// Base-2 logarithm of a positive finite number, the same bits on every platform.
+///
+/// Splits `x = 2^e * m` with `m` in `[sqrt(1/2), sqrt(2))`, then sums
+/// `log2(m) = 2/ln 2 * (s + s^3/3 + s^5/5 + s^7/7 + s^9/9)`, `s = (m - 1)/(m + 1)`.
+/// Exact at powers of two; absolute error below 3e-7. Subnormals give a value below -126.
+/// Zero gives `-inf`, infinity `inf`, NaN and negative numbers NaN.
+pub fn log2(x: f32) -> f32 {
+    if x.is_nan() || x <= 0.0 || x.is_infinite() {
+        return if x == 0.0 {
+            f32::NEG_INFINITY
+        } else if x == f32::INFINITY {
+            x
+        } else {
+            f32::NAN
+        };
+    }
+    let (x, shift) = if x < f32::MIN_POSITIVE { (x * 16_777_216.0, -24.0) } else { (x, 0.0) };
+    // Subtracting the bits of sqrt(1/2) moves the exponent's step to sqrt(1/2).
+    const SQRT_HALF_BITS: u32 = 0x3f35_04f3;
+    let offset = x.to_bits().wrapping_sub(SQRT_HALF_BITS);
+    let exponent = (offset as i32) >> 23;
+    let m = f32::from_bits((offset & 0x007f_ffff).wrapping_add(SQRT_HALF_BITS));
+    let s = (m - 1.0) / (m + 1.0);
+    let q = s * s;
+    let series = 1.0 + q * (1.0 / 3.0 + q * (0.2 + q * (1.0 / 7.0 + q * (1.0 / 9.0))));
+    exponent as f32 + s * series * (2.0 / std::f32::consts::LN_2) + shift
+}
+
+/// Linear interpolation that returns `a` exactly when `a == b`.
+#[inline(always)]
+pub fn lerp<R>(a: R, b: R, t: R) -> R
+where
+    R: Copy + std::ops::Add<Output = R> + std::ops::Sub<Output = R> + std::ops::Mul<Output = R>,
+{
+    a + t * (b - a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn log2_is_exact_at_powers_of_two_and_close_elsewhere() {
+        for e in -149..128 {
+            let x = 2f64.powi(e) as f32;
+            assert_eq!(log2(x), e as f32, "2^{e}");
+        }
+        for i in 0..200_000 {
+            let x = 1e-6f32 * 1.000_15f32.powi(i);
+            assert!(
+                (f64::from(log2(x)) - f64::from(x).log2()).abs() < 3e-7 * f64::from(x).log2().abs().max(1.0),
+                "{x}"
+            );
+        }
+    }
+
+    #[test]
+    fn log2_of_the_rest() {
+        assert_eq!(log2(0.0), f32::NEG_INFINITY);
+        assert_eq!(log2(f32::INFINITY), f32::INFINITY);
+        assert!(log2(-1.0).is_nan() && log2(f32::NAN).is_nan());
+    }
+}

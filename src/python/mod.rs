@@ -1,0 +1,12 @@
+//! The compiled half of the Python module: thin, one file a topic, no arithmetic.
+
+use pyo3::prelude::*;
+
+mod errors;
+
+/// Texture sampling and filtering on the CPU (the compiled part).
+#[pymodule]
+fn _multum(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    Ok(())
+}
