@@ -15,7 +15,7 @@ pub mod texel;
 pub mod wrap;
 
 #[cfg(feature = "python")]
-mod python;
+pub mod python;
 
 pub use crate::error::{Error, Result};
 pub use crate::image::{AnyView, Image, Pixels, View};

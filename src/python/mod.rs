@@ -2,6 +2,7 @@
 
 use pyo3::prelude::*;
 
+pub mod convert;
 mod errors;
 
 /// Texture sampling and filtering on the CPU (the compiled part).
