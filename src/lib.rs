@@ -11,6 +11,7 @@ pub mod kernel;
 
 pub mod encode;
 pub mod image;
+pub mod pyramid;
 pub mod texel;
 pub mod wrap;
 
