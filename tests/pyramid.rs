@@ -380,13 +380,27 @@ fn windowed_kernels_keep_ramps_inside() {
 
 #[test]
 fn constants_stay_exact() {
+    let texels = [201.0, 3.0, 77.0, 153.0];
     for kind in KINDS {
         for (w, h) in [(67, 13), (1, 9), (32, 32)] {
-            let image = Image::new(w, h, 1, vec![201u8; w * h]).unwrap();
-            for encoding in [Encoding::Linear, Encoding::Srgb] {
-                let options = options(kind, encoding, Alpha::None, 1);
-                for level in build(image.view(), &options, None).unwrap() {
-                    assert!(numbers(&level).iter().all(|&v| v == 201.0), "{kind:?} {encoding:?}");
+            for (encoding, alpha) in [
+                (Encoding::Linear, Alpha::None),
+                (Encoding::Linear, Alpha::Straight),
+                (Encoding::Srgb, Alpha::Straight),
+                (Encoding::Normal, Alpha::Straight),
+            ] {
+                let bytes: Vec<u8> = texels.map(|x| x as u8).repeat(w * h);
+                let words: Vec<u16> = texels.map(|x| x as u16 * 131 + 1).repeat(w * h);
+                let singles: Vec<f32> = texels.map(|x| x as f32 / 210.0).repeat(w * h);
+                let images: [Pixels; 3] = [bytes.into(), words.into(), singles.into()];
+                for pixels in images {
+                    let image = Image::new(w, h, 4, pixels).unwrap();
+                    let options = options(kind, encoding, alpha, 4);
+                    let texel = numbers(&image)[..4].to_vec();
+                    for level in build(image.view(), &options, None).unwrap() {
+                        let same = numbers(&level).chunks(4).all(|t| t == texel);
+                        assert!(same, "{kind:?} {encoding:?} {alpha:?} {:?}", image.dtype());
+                    }
                 }
             }
         }

@@ -114,11 +114,11 @@ impl<'a, T: Texel, R: Real> Reader<'a, T, R> {
         }
         let slot = |t: usize| (start + t as i64).rem_euclid(len as i64) as usize;
         let weights = self.taps[1].weights(j);
+        let row = |t: usize| &self.slots[slot(t)].1[..];
         // From the outside inwards, in pairs: a mirrored picture gives mirrored levels, bit for bit.
         for t in 0..len / 2 {
-            let (first, last) = (&self.slots[slot(t)].1, &self.slots[slot(len - 1 - t)].1);
+            let rows = out.iter_mut().zip(row(t)).zip(row(len - 1 - t));
             let (v, w) = (weights[t], weights[len - 1 - t]);
-            let rows = out.iter_mut().zip(first).zip(last);
             if t == 0 {
                 rows.for_each(|((out, a), b)| *out = *a * v + *b * w);
             } else {
@@ -127,11 +127,19 @@ impl<'a, T: Texel, R: Real> Reader<'a, T, R> {
         }
         if len % 2 == 1 {
             let w = weights[len / 2];
-            let rows = out.iter_mut().zip(&self.slots[slot(len / 2)].1);
+            let rows = out.iter_mut().zip(row(len / 2));
             if len == 1 {
                 rows.for_each(|(out, a)| *out = *a * w);
             } else {
                 rows.for_each(|(out, a)| *out = *out + *a * w);
+            }
+        }
+        if self.codec.is_float() && len > 2 {
+            for (x, out) in out.iter_mut().enumerate() {
+                let first = row(0)[x];
+                if (1..len).all(|t| row(t)[x] == first) {
+                    *out = first;
+                }
             }
         }
     }
@@ -162,7 +170,15 @@ impl<'a, T: Texel, R: Real> Reader<'a, T, R> {
         *key = Some(y);
         for (i, out) in reduced.chunks_exact_mut(channels).enumerate() {
             let first = (taps.start(i) + before as i64) as usize * channels;
-            reduce_texel(&self.padded[first..][..taps.len * channels], taps.weights(i), out);
+            let texels = &self.padded[first..][..taps.len * channels];
+            reduce_texel(texels, taps.weights(i), out);
+            if self.codec.is_float() && taps.len > 2 {
+                for (c, out) in out.iter_mut().enumerate() {
+                    if (1..taps.len).all(|t| texels[t * channels + c] == texels[c]) {
+                        *out = texels[c];
+                    }
+                }
+            }
         }
     }
 }

@@ -93,6 +93,11 @@ impl Codec {
         Self { format, dtype }
     }
 
+    /// Whether codes are floats, which no rounding of codes forgives a last bit.
+    pub fn is_float(&self) -> bool {
+        !self.dtype.is_integer()
+    }
+
     /// Decodes the texels of a row, `stride` elements apart, into `format.channels` numbers each.
     pub fn decode_row<T: Texel, R: Real>(&self, codes: &[T], stride: usize, out: &mut [R]) {
         let channels = self.format.channels;

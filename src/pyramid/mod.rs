@@ -2,8 +2,9 @@
 //!
 //! Level `l` has `max(1, floor(n / 2^l))` texels on each axis, so a level covers exactly the same picture as
 //! the one below it and a texel of it is `n_below / n` texels wide: 2, or a little more where `n_below` is
-//! odd. The chain is kept in single precision (double for `f64` images) in linear light, as vectors and
-//! premultiplied; every stored level is rounded once from it, never from a rounded level.
+//! odd. The chain is kept in single precision in linear light, as vectors and premultiplied; every stored
+//! level is rounded once from it, never from a rounded level. It is kept in double precision for `f64`
+//! images, and for `f32` images that are not plain linear numbers. Equal texels give that texel exactly.
 //!
 //! | kind | weights | source |
 //! |---|---|---|
@@ -20,7 +21,7 @@ mod codec;
 mod coverage;
 mod taps;
 
-use crate::encode::Format;
+use crate::encode::{Alpha, Encoding, Format};
 use crate::error::{Error, Result};
 use crate::image::{AnyView, Image, View};
 use crate::texel::{DType, Texel};
@@ -167,7 +168,10 @@ pub fn build_into<T: Texel>(
     for (i, target) in targets.iter().enumerate() {
         target.check(lanes, level_size(base.width(), i + 1), level_size(base.height(), i + 1))?;
     }
-    if T::DTYPE == DType::F64 {
+    // What singles mean is no single where it is computed by a power, a product or a shift: kept in
+    // double, a constant picture comes back to the bit.
+    let plain = options.format.encoding == Encoding::Linear && options.format.alpha != Alpha::Straight;
+    if T::DTYPE == DType::F64 || (T::DTYPE == DType::F32 && !plain) {
         build::levels::<T, f64>(base, lanes, targets, options)
     } else {
         build::levels::<T, f32>(base, lanes, targets, options)

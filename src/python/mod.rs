@@ -4,10 +4,12 @@ use pyo3::prelude::*;
 
 pub mod convert;
 mod errors;
+mod pyramid;
 
 /// Texture sampling and filtering on the CPU (the compiled part).
 #[pymodule]
 fn _multum(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    pyramid::register(module)?;
     Ok(())
 }
