@@ -15,6 +15,8 @@ pub mod pyramid;
 pub mod texel;
 pub mod wrap;
 
+pub mod raster;
+
 #[cfg(feature = "python")]
 pub mod python;
 
