@@ -133,8 +133,31 @@ macro_rules! for_any {
     };
 }
 
+pub(crate) use for_any;
+
+/// An element type together with its places in [`Pixels`] and [`AnyView`].
+pub trait Element: Texel {
+    /// The elements, where they are of this type.
+    fn of_pixels(pixels: &Pixels) -> Option<&[Self]>;
+    /// The view, where it is of this type.
+    fn of_view<'a>(view: &AnyView<'a>) -> Option<View<'a, Self>>;
+    /// Tags a vector with its type.
+    fn into_pixels(data: Vec<Self>) -> Pixels;
+}
+
 macro_rules! wrap_typed {
     ($($variant:ident $type:ty),+) => {$(
+        impl Element for $type {
+            fn of_pixels(pixels: &Pixels) -> Option<&[Self]> {
+                if let Pixels::$variant(data) = pixels { Some(data) } else { None }
+            }
+            fn of_view<'a>(view: &AnyView<'a>) -> Option<View<'a, Self>> {
+                if let AnyView::$variant(view) = view { Some(*view) } else { None }
+            }
+            fn into_pixels(data: Vec<Self>) -> Pixels {
+                Pixels::$variant(data)
+            }
+        }
         impl From<Vec<$type>> for Pixels {
             fn from(data: Vec<$type>) -> Self {
                 Self::$variant(data)

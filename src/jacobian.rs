@@ -59,8 +59,10 @@ impl Jacobian {
     /// where the difference of the two lengths would. Blinn, "Consider the lowly 2x2 matrix", IEEE CG&A 1996.
     pub fn axes(self) -> Axes {
         let [[a, b], [c, d]] = self.m;
-        let rotation = f64::hypot(a + d, c - b);
-        let reflection = f64::hypot(a - d, b + c);
+        // Plain square roots: entries beyond 1e±150 count as infinite or zero.
+        let length = |x: f64, y: f64| (x * x + y * y).sqrt();
+        let rotation = length(a + d, c - b);
+        let reflection = length(a - d, b + c);
         let sigma1 = 0.5 * (rotation + reflection);
         if sigma1 == 0.0 {
             return Axes { sigma1: 0.0, sigma2: 0.0, major: [1.0, 0.0] };
@@ -69,7 +71,7 @@ impl Jacobian {
         // The major axis bisects the directions of the two parts; J J^T's eigenvector without angles.
         let p = 0.5 * ((a * a + b * b) - (c * c + d * d));
         let q = a * c + b * d;
-        let r = f64::hypot(p, q);
+        let r = length(p, q);
         let major = if r == 0.0 {
             [1.0, 0.0]
         } else if p >= 0.0 {
@@ -82,7 +84,7 @@ impl Jacobian {
 }
 
 fn normalized(x: f64, y: f64) -> [f64; 2] {
-    let n = f64::hypot(x, y);
+    let n = (x * x + y * y).sqrt();
     [x / n, y / n]
 }
 

@@ -28,12 +28,60 @@ pub fn log2(x: f32) -> f32 {
     exponent as f32 + s * series * (2.0 / std::f32::consts::LN_2) + shift
 }
 
+/// Single or double precision: what values are computed in.
+pub trait Real:
+    Copy
+    + Default
+    + PartialEq
+    + PartialOrd
+    + Send
+    + Sync
+    + 'static
+    + std::ops::Add<Output = Self>
+    + std::ops::Sub<Output = Self>
+    + std::ops::Mul<Output = Self>
+    + std::ops::Div<Output = Self>
+    + std::ops::AddAssign
+{
+    /// Zero.
+    const ZERO: Self;
+    /// One.
+    const ONE: Self;
+    /// The nearest value.
+    fn from_f64(x: f64) -> Self;
+    /// The value as a double, exactly.
+    fn to_f64(self) -> f64;
+}
+
+impl Real for f32 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    #[inline(always)]
+    fn from_f64(x: f64) -> Self {
+        x as f32
+    }
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+}
+
+impl Real for f64 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    #[inline(always)]
+    fn from_f64(x: f64) -> Self {
+        x
+    }
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        self
+    }
+}
+
 /// Linear interpolation that returns `a` exactly when `a == b`.
 #[inline(always)]
-pub fn lerp<R>(a: R, b: R, t: R) -> R
-where
-    R: Copy + std::ops::Add<Output = R> + std::ops::Sub<Output = R> + std::ops::Mul<Output = R>,
-{
+pub fn lerp<R: Real>(a: R, b: R, t: R) -> R {
     a + t * (b - a)
 }
 

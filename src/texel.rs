@@ -1,5 +1,6 @@
 //! Element types of textures: `u8`, `u16`, `f16`, `f32`, `f64`.
 
+use crate::num::Real;
 pub use half::f16;
 
 /// Element type of an image or texture.
@@ -56,6 +57,8 @@ impl DType {
 
 /// One stored number of a texture.
 pub trait Texel: Copy + Default + PartialEq + Send + Sync + 'static {
+    /// What values are computed in: `f64` for `f64`, else `f32`.
+    type Real: Real;
     /// Its run-time tag.
     const DTYPE: DType;
     /// The code as a number (an integer stays 0..=255 or 0..=65535).
@@ -67,12 +70,31 @@ pub trait Texel: Copy + Default + PartialEq + Send + Sync + 'static {
     fn from_f64(x: f64) -> Self;
     /// As [`Texel::from_f64`], with the sum `x + 1/2` rounded to single.
     fn from_f32(x: f32) -> Self;
+    /// The code as a number to compute with.
+    fn to_real(self) -> Self::Real;
+    /// The nearest code, by the rule of [`Texel::from_f64`] or [`Texel::from_f32`].
+    fn from_real(x: Self::Real) -> Self;
+    /// The code as an index into a table of all codes; 0 for floats.
+    fn index(self) -> usize;
 }
 
 macro_rules! integer_texel {
     ($type:ty, $tag:expr) => {
         impl Texel for $type {
+            type Real = f32;
             const DTYPE: DType = $tag;
+            #[inline(always)]
+            fn index(self) -> usize {
+                usize::from(self)
+            }
+            #[inline(always)]
+            fn to_real(self) -> f32 {
+                f32::from(self)
+            }
+            #[inline(always)]
+            fn from_real(x: f32) -> Self {
+                Self::from_f32(x)
+            }
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 f64::from(self)
@@ -99,9 +121,22 @@ integer_texel!(u8, DType::U8);
 integer_texel!(u16, DType::U16);
 
 macro_rules! float_texel {
-    ($type:ty, $tag:expr, $to64:expr, $to32:expr, $from64:expr, $from32:expr) => {
+    ($type:ty, $tag:expr, $real:ty, $to64:expr, $to32:expr, $from64:expr, $from32:expr, $to:ident, $from:ident) => {
         impl Texel for $type {
+            type Real = $real;
             const DTYPE: DType = $tag;
+            #[inline(always)]
+            fn index(self) -> usize {
+                0
+            }
+            #[inline(always)]
+            fn to_real(self) -> $real {
+                Texel::$to(self)
+            }
+            #[inline(always)]
+            fn from_real(x: $real) -> Self {
+                Self::$from(x)
+            }
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 $to64(self)
@@ -122,9 +157,9 @@ macro_rules! float_texel {
     };
 }
 
-float_texel!(f16, DType::F16, f16::to_f64, f16::to_f32, f16::from_f64, f16::from_f32);
-float_texel!(f32, DType::F32, f64::from, |x| x, |x| x as f32, |x| x);
-float_texel!(f64, DType::F64, |x| x, |x| x as f32, |x| x, f64::from);
+float_texel!(f16, DType::F16, f32, f16::to_f64, f16::to_f32, f16::from_f64, f16::from_f32, to_f32, from_f32);
+float_texel!(f32, DType::F32, f32, f64::from, |x| x, |x| x as f32, |x| x, to_f32, from_f32);
+float_texel!(f64, DType::F64, f64, |x| x, |x| x as f32, |x| x, f64::from, to_f64, from_f64);
 
 #[cfg(test)]
 mod tests {

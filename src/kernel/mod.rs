@@ -2,6 +2,8 @@
 //!
 //! One run-time dispatch picks the instruction set; the scalar twin of each kernel defines its result, bit for bit.
 
+pub mod plane;
+
 use crate::error::{Error, Result};
 use std::cell::Cell;
 use std::sync::OnceLock;

@@ -1,0 +1,181 @@
+//! From a pixel's place and footprint to its colour, one filter a file.
+
+use crate::error::{Error, Result};
+use crate::jacobian::Jacobian;
+use crate::num::Real;
+use crate::texel::Texel;
+use crate::texture::{Decode, Layers};
+
+mod anisotropic;
+mod bicubic;
+mod bilinear;
+mod mipmap;
+mod nearest;
+
+pub(crate) use anisotropic::anisotropic;
+pub(crate) use bicubic::{Cubic, bicubic, bicubic_gradient};
+pub(crate) use bilinear::{bilinear, bilinear_gradient};
+pub(crate) use mipmap::mipmap;
+pub(crate) use nearest::nearest;
+
+/// Which filter a sampler uses. Names in Python are those of [`Filter::NAMES`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Filter {
+    /// The cheapest filter that is good enough.
+    #[default]
+    Auto,
+    /// The texel under the pixel's centre.
+    Nearest,
+    /// Linear interpolation of the four texels around the pixel's centre.
+    Bilinear,
+    /// Cubic interpolation by Catmull and Rom: sharp, exact for quadratics.
+    Bicubic,
+    /// The cubic of Mitchell and Netravali (B = C = 1/3): little ringing, little blur.
+    Mitchell,
+    /// Nearest texel of the nearest level.
+    NearestMipmapNearest,
+    /// Bilinear on the nearest level.
+    LinearMipmapNearest,
+    /// Nearest texels of two levels, blended.
+    NearestMipmapLinear,
+    /// Bilinear on two levels, blended: GL's linear_mipmap_linear.
+    Trilinear,
+    /// Trilinear probes along the footprint's major axis.
+    Anisotropic,
+}
+
+impl Filter {
+    /// All filters with their names.
+    pub const NAMES: &'static [(&'static str, Self)] = &[
+        ("auto", Self::Auto),
+        ("nearest", Self::Nearest),
+        ("bilinear", Self::Bilinear),
+        ("bicubic", Self::Bicubic),
+        ("mitchell", Self::Mitchell),
+        ("nearest_mipmap_nearest", Self::NearestMipmapNearest),
+        ("linear_mipmap_nearest", Self::LinearMipmapNearest),
+        ("nearest_mipmap_linear", Self::NearestMipmapLinear),
+        ("trilinear", Self::Trilinear),
+        ("linear_mipmap_linear", Self::Trilinear),
+        ("anisotropic", Self::Anisotropic),
+    ];
+
+    /// The filter of this name.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for any other word.
+    pub fn parse(name: &str) -> Result<Self> {
+        Self::NAMES.iter().find(|(n, _)| *n == name).map(|(_, f)| *f).ok_or_else(|| {
+            let names: Vec<_> = Self::NAMES.iter().map(|(n, _)| format!("{n:?}")).collect();
+            Error::value("filter", format!("{name:?}"), format!("one of {}", names.join(", ")))
+        })
+    }
+
+    /// Whether the filter reads levels beyond the first.
+    pub fn uses_levels(self) -> bool {
+        !matches!(self, Self::Nearest | Self::Bilinear | Self::Bicubic | Self::Mitchell)
+    }
+}
+
+/// A place in the texture and the footprint around it, in texels of level 0.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Query {
+    /// Along u: texel `i` covers `i..i+1`. Finite.
+    pub s: f64,
+    /// Along v, likewise.
+    pub t: f64,
+    /// Texels per pixel.
+    pub jacobian_tx: Jacobian,
+}
+
+/// One group of channels, opened for reading: texels by wrapped index, decoded.
+pub(crate) struct Reader<'a, T: Texel, D> {
+    pub layers: &'a Layers<'a, T>,
+    decode: D,
+    outside: [T::Real; 4],
+    /// Texels of each level per texel of level 0, along u and v.
+    scale: Vec<[f64; 2]>,
+}
+
+impl<'a, T: Texel, D: Decode<T>> Reader<'a, T, D> {
+    /// Opens `layers`, whose codes `decode` understands.
+    pub fn new(layers: &'a Layers<'a, T>, decode: D) -> Self {
+        let base = &layers.planes[0];
+        let scale = layers
+            .planes
+            .iter()
+            .map(|p| [f64::from(p.width) / f64::from(base.width), f64::from(p.height) / f64::from(base.height)])
+            .collect();
+        Self { layers, decode, outside: decode.outside(layers.border), scale }
+    }
+
+    /// Index of the coarsest level.
+    pub fn last_level(&self) -> usize {
+        self.layers.planes.len() - 1
+    }
+
+    /// The place (s, t) of level 0 on another level: reduced by the wrap mode's period, then clamped to
+    /// where the picture still changes.
+    #[inline(always)]
+    fn on_level(&self, level: usize, s: f64, t: f64) -> (f64, f64) {
+        let (base, plane) = (&self.layers.planes[0], &self.layers.planes[level]);
+        let [kx, ky] = self.scale[level];
+        let s = self.layers.wrap[0].reduce(s, base.width.into()).0 * kx;
+        let t = self.layers.wrap[1].reduce(t, base.height.into()).0 * ky;
+        // Beyond one texel outside, a wrap mode that does not repeat shows one colour.
+        (s.clamp(-1.0, f64::from(plane.width) + 1.0), t.clamp(-1.0, f64::from(plane.height) + 1.0))
+    }
+
+    /// The decoded texel at any place.
+    #[inline]
+    fn tap(&self, level: usize, x: i32, y: i32) -> [T::Real; 4] {
+        let plane = &self.layers.planes[level];
+        let [wu, wv] = self.layers.wrap;
+        let at = (wu.index(x.into(), plane.width.into()), wv.index(y.into(), plane.height.into()));
+        match at {
+            (Some(x), Some(y)) => self.decode.texel(plane.texel(x as i32, y as i32)),
+            _ => self.outside,
+        }
+    }
+
+    /// The 2x2 decoded texels from (x, y) on, row by row.
+    #[inline(always)]
+    fn taps(&self, level: usize, x: i32, y: i32) -> [[T::Real; 4]; 4] {
+        let plane = &self.layers.planes[level];
+        let places = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
+        if plane.covers(x, y, x + 1, y + 1) {
+            places.map(|(x, y)| self.decode.texel(plane.texel(x, y)))
+        } else {
+            places.map(|(x, y)| self.tap(level, x, y))
+        }
+    }
+
+    /// An average as a result.
+    #[inline(always)]
+    pub fn finish(&self, average: [T::Real; 4]) -> [T::Real; 4] {
+        self.decode.finish(average)
+    }
+
+    /// The derivative of the result, from the average and its derivative.
+    pub fn finish_slope(&self, average: [T::Real; 4], slope: [T::Real; 4]) -> [T::Real; 4] {
+        self.decode.finish_slope(average, slope)
+    }
+
+    /// The border colour as a result.
+    pub fn border(&self) -> [T::Real; 4] {
+        self.decode.finish(self.outside)
+    }
+}
+
+/// `a + t (b - a)` in every lane.
+#[inline(always)]
+fn lerp4<R: Real>(a: [R; 4], b: [R; 4], t: R) -> [R; 4] {
+    std::array::from_fn(|i| crate::num::lerp(a[i], b[i], t))
+}
+
+/// The whole and the fractional part of a coordinate.
+#[inline(always)]
+fn whole_and_part<R: Real>(x: f64) -> (i32, R) {
+    let whole = x.floor();
+    (whole as i32, R::from_f64(x - whole))
+}

@@ -1,0 +1,55 @@
+//! One level of a texture as kernels see it: plain elements and where they stand.
+
+/// Up to four channels of one level. Texel (x, y) begins at `origin + y * row + x * lanes`.
+#[derive(Clone, Copy, Debug)]
+pub struct Plane<'a, T> {
+    /// The elements.
+    pub data: &'a [T],
+    /// Index of the first channel of texel (0, 0).
+    pub origin: usize,
+    /// Elements from one row to the next.
+    pub row: usize,
+    /// Elements from one texel to the next.
+    pub lanes: usize,
+    /// Channels to read, 1 to 4; not more than `lanes`.
+    pub channels: usize,
+    /// Texels in a row.
+    pub width: i32,
+    /// Rows.
+    pub height: i32,
+    /// Readable columns: `columns.0..=columns.1`, one more than the picture on each side where an apron
+    /// continues it by its wrap mode.
+    pub columns: (i32, i32),
+    /// Readable rows, likewise.
+    pub rows: (i32, i32),
+}
+
+impl<T: Copy + Default> Plane<'_, T> {
+    /// The channels of the texel at a readable place, the rest filled with zero codes.
+    #[inline(always)]
+    pub fn texel(&self, x: i32, y: i32) -> [T; 4] {
+        debug_assert!(self.is_readable(x, y));
+        let start = self.origin as isize + y as isize * self.row as isize + x as isize * self.lanes as isize;
+        let start = start as usize;
+        if self.channels == 4 {
+            let t = &self.data[start..start + 4];
+            [t[0], t[1], t[2], t[3]]
+        } else {
+            let t = &self.data[start..start + self.channels];
+            let at = |i: usize| t.get(i).copied().unwrap_or_default();
+            [at(0), at(1), at(2), T::default()]
+        }
+    }
+
+    /// Whether the texel stands in the picture or its apron.
+    #[inline(always)]
+    pub fn is_readable(&self, x: i32, y: i32) -> bool {
+        x >= self.columns.0 && x <= self.columns.1 && y >= self.rows.0 && y <= self.rows.1
+    }
+
+    /// Whether the block of texels (x0, y0) to (x1, y1), both included, is readable.
+    #[inline(always)]
+    pub fn covers(&self, x0: i32, y0: i32, x1: i32, y1: i32) -> bool {
+        x0 >= self.columns.0 && x1 <= self.columns.1 && y0 >= self.rows.0 && y1 <= self.rows.1
+    }
+}

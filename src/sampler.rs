@@ -1,0 +1,302 @@
+//! How to sample: a filter with its limits, over batches of places.
+
+use crate::error::{Error, Result};
+use crate::filter::{Cubic, Filter, Query, Reader, anisotropic, bicubic, bicubic_gradient, bilinear, bilinear_gradient};
+use crate::filter::{mipmap, nearest};
+use crate::image::Element;
+use crate::jacobian::Jacobian;
+use crate::lod::LodRule;
+use crate::num::Real;
+use crate::par;
+use crate::texel::{DType, f16};
+use crate::texture::{Decode, Plain, Texture};
+
+/// Samples a tile: small enough to balance, large enough to be worth a hand-over.
+const TILE: usize = 4096;
+/// Calls with fewer samples stay on the calling thread.
+const SERIAL: usize = 10_000;
+
+/// A filter and its options.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampler {
+    /// The filter.
+    pub filter: Filter,
+    /// Longest footprint, in widths, that [`Filter::Anisotropic`] follows; 1 or more, infinity for no limit.
+    pub max_anisotropy: f64,
+    /// Added to every level of detail.
+    pub lod_bias: f32,
+    /// Which extent of a footprint decides about the level of the isotropic filters.
+    pub lod_rule: LodRule,
+}
+
+impl Default for Sampler {
+    fn default() -> Self {
+        Self { filter: Filter::Auto, max_anisotropy: 16.0, lod_bias: 0.0, lod_rule: LodRule::Major }
+    }
+}
+
+/// How large a piece of the texture each sample covers.
+#[derive(Clone, Copy, Debug)]
+pub enum Extent<'a, U> {
+    /// None: every sample is a point.
+    Point,
+    /// Four numbers a sample: du/dx, du/dy, dv/dx, dv/dy.
+    Jacobian(&'a [U]),
+    /// One level of detail a sample.
+    Lod(&'a [f32]),
+}
+
+/// Number type of coordinates.
+pub trait Coordinate: Copy + Into<f64> + Sync {}
+impl Coordinate for f32 {}
+impl Coordinate for f64 {}
+
+/// Where the results of one group of channels go.
+struct Slots<'a, O> {
+    out: &'a mut [O],
+    channels: usize,
+    group: usize,
+}
+
+impl<O: Real> Slots<'_, O> {
+    fn fill<R: Real>(
+        self,
+        places: impl Fn(usize) -> (Query, Option<f32>),
+        sample: impl Fn(&Query, Option<f32>) -> [R; 4],
+    ) {
+        for (k, out) in self.out.chunks_exact_mut(self.channels).enumerate() {
+            let (query, lod) = places(k);
+            for (out, value) in out[4 * self.group..].iter_mut().zip(sample(&query, lod)) {
+                *out = O::from_f64(value.to_f64());
+            }
+        }
+    }
+}
+
+impl Sampler {
+    /// A sampler with this filter and default options.
+    pub fn new(filter: Filter) -> Self {
+        Self { filter, ..Self::default() }
+    }
+
+    /// Checks the options.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a limit of anisotropy below 1 or a bias that is not finite.
+    pub fn check(&self) -> Result<()> {
+        if self.max_anisotropy.is_nan() || self.max_anisotropy < 1.0 {
+            return Err(Error::value("max_anisotropy", self.max_anisotropy, "a number of 1 or more"));
+        }
+        if !self.lod_bias.is_finite() {
+            return Err(Error::value("lod_bias", self.lod_bias, "a finite number"));
+        }
+        Ok(())
+    }
+
+    /// Samples at points: `uv` holds two numbers a sample, `out` receives the channels of each.
+    ///
+    /// # Errors
+    /// As [`Sampler::sample`].
+    pub fn sample_points<U: Coordinate, O: Real>(&self, texture: &Texture<'_>, uv: &[U], out: &mut [O]) -> Result<()> {
+        self.sample(texture, uv, Extent::Point, out)
+    }
+
+    /// Samples a batch. `uv` holds u and v of each sample in texture space (texel (i, j) of level 0 has its
+    /// centre at ((i + 1/2)/width, (j + 1/2)/height)); `out` receives `texture.channels()` numbers a sample.
+    /// A coordinate that is not finite gives the border colour. The result does not depend on threads.
+    ///
+    /// # Errors
+    /// [`Error::Value`] when lengths do not fit together or options are out of range.
+    pub fn sample<U: Coordinate, O: Real>(
+        &self,
+        texture: &Texture<'_>,
+        uv: &[U],
+        extent: Extent<'_, U>,
+        out: &mut [O],
+    ) -> Result<()> {
+        self.check()?;
+        let samples = uv.len() / 2;
+        let expect = |argument, got: usize, expected: usize| {
+            if got == expected {
+                Ok(())
+            } else {
+                Err(Error::value(argument, format!("{got} numbers"), format!("{expected} for {samples} samples")))
+            }
+        };
+        expect("uv", uv.len(), samples * 2)?;
+        expect("out", out.len(), samples * texture.channels())?;
+        match extent {
+            Extent::Point => {}
+            Extent::Jacobian(jacobian) => expect("jacobian", jacobian.len(), samples * 4)?,
+            Extent::Lod(lod) => expect("lod", lod.len(), samples)?,
+        }
+        let (w, h) = (texture.width() as f64, texture.height() as f64);
+        let places = |i: usize| {
+            let (s, t) = (uv[2 * i].into() * w, uv[2 * i + 1].into() * h);
+            let (jacobian_tx, lod) = match extent {
+                Extent::Point => (Jacobian::ZERO, None),
+                Extent::Jacobian(j) => {
+                    let j: [f64; 4] = std::array::from_fn(|k| j[4 * i + k].into());
+                    (Jacobian::new([[j[0], j[1]], [j[2], j[3]]]).scaled(w, h), None)
+                }
+                Extent::Lod(lod) => (Jacobian::ZERO, Some(lod[i])),
+            };
+            (Query { s, t, jacobian_tx }, lod)
+        };
+        self.sample_places(texture, samples, &places, out)
+    }
+
+    /// Samples at the places that `places(i)` names: a query in texels of level 0, and a level of detail
+    /// where it is given outright.
+    pub(crate) fn sample_places<O: Real>(
+        &self,
+        texture: &Texture<'_>,
+        samples: usize,
+        places: &(impl Fn(usize) -> (Query, Option<f32>) + Sync),
+        out: &mut [O],
+    ) -> Result<()> {
+        match texture.stored_dtype() {
+            DType::U8 => self.sample_typed::<u8, O>(texture, samples, places, out),
+            DType::U16 => self.sample_typed::<u16, O>(texture, samples, places, out),
+            DType::F16 => self.sample_typed::<f16, O>(texture, samples, places, out),
+            DType::F32 => self.sample_typed::<f32, O>(texture, samples, places, out),
+            DType::F64 => self.sample_typed::<f64, O>(texture, samples, places, out),
+        }
+    }
+
+    fn sample_typed<T: Element, O: Real>(
+        &self,
+        texture: &Texture<'_>,
+        samples: usize,
+        places: &(impl Fn(usize) -> (Query, Option<f32>) + Sync),
+        out: &mut [O],
+    ) -> Result<()> {
+        let channels = texture.channels();
+        for group in 0..texture.num_groups() {
+            // Levels are made here, on the calling thread, before work is handed out.
+            let layers = texture.layers::<T>(group, self.filter.uses_levels())?;
+            let threads = if samples < SERIAL { Some(1) } else { None };
+            let tiles = out.chunks_mut(TILE * channels);
+            let run = || {
+                par::for_each(tiles, |tile, out| {
+                    let out = Slots { out, channels, group };
+                    let places = |k| places(tile * TILE + k);
+                    if layers.decoder.is_plain() {
+                        let reader = Reader::new(&layers, Plain { full_scale: layers.decoder.full_scale });
+                        out.fill(places, |q, lod| self.one(&reader, q, lod));
+                    } else {
+                        let reader = Reader::new(&layers, layers.decoder);
+                        out.fill(places, |q, lod| self.one(&reader, q, lod));
+                    }
+                    Ok(())
+                })
+            };
+            match threads {
+                Some(_) => par::with_threads(threads, run)?,
+                None => run()?,
+            }
+        }
+        Ok(())
+    }
+
+    /// One sample.
+    #[inline]
+    fn one<T: Element, D: Decode<T>>(&self, r: &Reader<'_, T, D>, query: &Query, lod: Option<f32>) -> [T::Real; 4] {
+        let (s, t) = (query.s, query.t);
+        if !(s.is_finite() && t.is_finite()) {
+            return r.border();
+        }
+        let average = match self.filter {
+            Filter::Nearest => nearest(r, 0, s, t),
+            Filter::Bilinear => bilinear(r, 0, s, t),
+            Filter::Bicubic => bicubic(r, Cubic::CATMULL_ROM, s, t),
+            Filter::Mitchell => bicubic(r, Cubic::MITCHELL, s, t),
+            Filter::Auto | Filter::Anisotropic if lod.is_none() => {
+                anisotropic(r, query, self.max_anisotropy, self.lod_bias)
+            }
+            filter => {
+                let lod = lod.unwrap_or_else(|| self.lod_rule.lod(query.jacobian_tx)) + self.lod_bias;
+                mipmap(r, filter, s, t, lod)
+            }
+        };
+        r.finish(average)
+    }
+}
+
+/// Derivatives of the reconstruction by u and v: `out` receives `texture.channels()` pairs a point.
+///
+/// `filter` is [`Filter::Bilinear`] (on the line through texel centres the slope towards larger coordinates),
+/// [`Filter::Bicubic`] or [`Filter::Mitchell`]. Straight colour `P/A` has the derivative `(P' - (P/A) A')/A`.
+/// A coordinate that is not finite gives 0.
+///
+/// # Errors
+/// [`Error::Value`] when lengths do not fit together or the filter is another.
+pub fn gradient<U: Coordinate, O: Real>(
+    texture: &Texture<'_>,
+    filter: Filter,
+    uv: &[U],
+    out: &mut [O],
+) -> Result<()> {
+    let samples = uv.len() / 2;
+    if uv.len() != 2 * samples || out.len() != samples * texture.channels() * 2 {
+        let expected = format!("2 numbers a point and {} results a point", texture.channels() * 2);
+        return Err(Error::value("uv", format!("{} numbers and room for {}", uv.len(), out.len()), expected));
+    }
+    if !matches!(filter, Filter::Bilinear | Filter::Bicubic | Filter::Mitchell) {
+        return Err(Error::value("filter", format!("{filter:?}"), "\"bilinear\", \"bicubic\" or \"mitchell\""));
+    }
+    match texture.stored_dtype() {
+        DType::U8 => gradient_typed::<u8, U, O>(texture, filter, uv, out),
+        DType::U16 => gradient_typed::<u16, U, O>(texture, filter, uv, out),
+        DType::F16 => gradient_typed::<f16, U, O>(texture, filter, uv, out),
+        DType::F32 => gradient_typed::<f32, U, O>(texture, filter, uv, out),
+        DType::F64 => gradient_typed::<f64, U, O>(texture, filter, uv, out),
+    }
+}
+
+fn gradient_typed<T: Element, U: Coordinate, O: Real>(
+    texture: &Texture<'_>,
+    filter: Filter,
+    uv: &[U],
+    out: &mut [O],
+) -> Result<()> {
+    let size = [texture.width() as f64, texture.height() as f64];
+    let channels = texture.channels();
+    for group in 0..texture.num_groups() {
+        let layers = texture.layers::<T>(group, false)?;
+        par::for_each(out.chunks_mut(TILE * channels * 2), |tile, out| {
+            for (k, out) in out.chunks_exact_mut(channels * 2).enumerate() {
+                let i = 2 * (tile * TILE + k);
+                let (s, t) = (uv[i].into() * size[0], uv[i + 1].into() * size[1]);
+                let pairs = if layers.decoder.is_plain() {
+                    let plain = Plain { full_scale: layers.decoder.full_scale };
+                    slopes(&Reader::new(&layers, plain), filter, s, t)
+                } else {
+                    slopes(&Reader::new(&layers, layers.decoder), filter, s, t)
+                };
+                let signs = [texture.wrap()[0].reduce(s, size[0]).1, texture.wrap()[1].reduce(t, size[1]).1];
+                for (out, pair) in out[8 * group..].chunks_exact_mut(2).zip(pairs) {
+                    for axis in 0..2 {
+                        out[axis] = O::from_f64(pair[axis].to_f64() * size[axis] * signs[axis]);
+                    }
+                }
+            }
+            Ok(())
+        })?;
+    }
+    Ok(())
+}
+
+/// Derivatives of each lane's result by s and t.
+fn slopes<T: Element, D: Decode<T>>(r: &Reader<'_, T, D>, filter: Filter, s: f64, t: f64) -> [[T::Real; 2]; 4] {
+    if !(s.is_finite() && t.is_finite()) {
+        return [[T::Real::ZERO; 2]; 4];
+    }
+    let [value, ds, dt] = match filter {
+        Filter::Bilinear => bilinear_gradient(r, s, t),
+        Filter::Mitchell => bicubic_gradient(r, Cubic::MITCHELL, s, t),
+        _ => bicubic_gradient(r, Cubic::CATMULL_ROM, s, t),
+    };
+    let (ds, dt) = (r.finish_slope(value, ds), r.finish_slope(value, dt));
+    std::array::from_fn(|lane| [ds[lane], dt[lane]])
+}
