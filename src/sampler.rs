@@ -1,7 +1,9 @@
 //! How to sample: a filter with its limits, over batches of places.
 
 use crate::error::{Error, Result};
-use crate::filter::{Cubic, Filter, Query, Reader, anisotropic, bicubic, bicubic_gradient, bilinear, bilinear_gradient};
+use crate::filter::{
+    Cubic, Filter, Query, Reader, anisotropic, bicubic, bicubic_gradient, bilinear, bilinear_gradient,
+};
 use crate::filter::{mipmap, nearest};
 use crate::image::Element;
 use crate::jacobian::Jacobian;
@@ -27,11 +29,19 @@ pub struct Sampler {
     pub lod_bias: f32,
     /// Which extent of a footprint decides about the level of the isotropic filters.
     pub lod_rule: LodRule,
+    /// Largest error of [`Filter::Auto`], in units of the result; `None` for its default.
+    pub tolerance: Option<f64>,
 }
 
 impl Default for Sampler {
     fn default() -> Self {
-        Self { filter: Filter::Auto, max_anisotropy: 16.0, lod_bias: 0.0, lod_rule: LodRule::Major }
+        Self {
+            filter: Filter::Auto,
+            max_anisotropy: 16.0,
+            lod_bias: 0.0,
+            lod_rule: LodRule::Major,
+            tolerance: None,
+        }
     }
 }
 
@@ -90,6 +100,9 @@ impl Sampler {
         if !self.lod_bias.is_finite() {
             return Err(Error::value("lod_bias", self.lod_bias, "a finite number"));
         }
+        if let Some(tolerance) = self.tolerance.filter(|t| t.is_nan() || *t <= 0.0) {
+            return Err(Error::value("tolerance", tolerance, "None or a positive number"));
+        }
         Ok(())
     }
 
@@ -97,7 +110,12 @@ impl Sampler {
     ///
     /// # Errors
     /// As [`Sampler::sample`].
-    pub fn sample_points<U: Coordinate, O: Real>(&self, texture: &Texture<'_>, uv: &[U], out: &mut [O]) -> Result<()> {
+    pub fn sample_points<U: Coordinate, O: Real>(
+        &self,
+        texture: &Texture<'_>,
+        uv: &[U],
+        out: &mut [O],
+    ) -> Result<()> {
         self.sample(texture, uv, Extent::Point, out)
     }
 
@@ -120,7 +138,11 @@ impl Sampler {
             if got == expected {
                 Ok(())
             } else {
-                Err(Error::value(argument, format!("{got} numbers"), format!("{expected} for {samples} samples")))
+                Err(Error::value(
+                    argument,
+                    format!("{got} numbers"),
+                    format!("{expected} for {samples} samples"),
+                ))
             }
         };
         expect("uv", uv.len(), samples * 2)?;
@@ -201,7 +223,12 @@ impl Sampler {
 
     /// One sample.
     #[inline]
-    fn one<T: Element, D: Decode<T>>(&self, r: &Reader<'_, T, D>, query: &Query, lod: Option<f32>) -> [T::Real; 4] {
+    fn one<T: Element, D: Decode<T>>(
+        &self,
+        r: &Reader<'_, T, D>,
+        query: &Query,
+        lod: Option<f32>,
+    ) -> [T::Real; 4] {
         let (s, t) = (query.s, query.t);
         if !(s.is_finite() && t.is_finite()) {
             return r.border();
@@ -243,7 +270,11 @@ pub fn gradient<U: Coordinate, O: Real>(
         return Err(Error::value("uv", format!("{} numbers and room for {}", uv.len(), out.len()), expected));
     }
     if !matches!(filter, Filter::Bilinear | Filter::Bicubic | Filter::Mitchell) {
-        return Err(Error::value("filter", format!("{filter:?}"), "\"bilinear\", \"bicubic\" or \"mitchell\""));
+        return Err(Error::value(
+            "filter",
+            format!("{filter:?}"),
+            "\"bilinear\", \"bicubic\" or \"mitchell\"",
+        ));
     }
     match texture.stored_dtype() {
         DType::U8 => gradient_typed::<u8, U, O>(texture, filter, uv, out),
@@ -288,7 +319,12 @@ fn gradient_typed<T: Element, U: Coordinate, O: Real>(
 }
 
 /// Derivatives of each lane's result by s and t.
-fn slopes<T: Element, D: Decode<T>>(r: &Reader<'_, T, D>, filter: Filter, s: f64, t: f64) -> [[T::Real; 2]; 4] {
+fn slopes<T: Element, D: Decode<T>>(
+    r: &Reader<'_, T, D>,
+    filter: Filter,
+    s: f64,
+    t: f64,
+) -> [[T::Real; 2]; 4] {
     if !(s.is_finite() && t.is_finite()) {
         return [[T::Real::ZERO; 2]; 4];
     }

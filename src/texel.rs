@@ -135,7 +135,7 @@ macro_rules! float_texel {
             }
             #[inline(always)]
             fn from_real(x: $real) -> Self {
-                Self::$from(x)
+                <Self as Texel>::$from(x)
             }
             #[inline(always)]
             fn to_f64(self) -> f64 {

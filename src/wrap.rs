@@ -131,7 +131,7 @@ impl Wrap {
 fn modulo(s: f64, n: f64) -> f64 {
     // Up to here `n * floor` is a whole number that f64 holds exactly, and so is the difference's rounding.
     const EXACT: f64 = 1.1e12;
-    if s.abs() < EXACT { (s - n * (s / n).floor()).clamp(0.0, n) } else { s.rem_euclid(n) }
+    if s.abs() < EXACT { (s - n * crate::num::floor(s / n) as f64).clamp(0.0, n) } else { s.rem_euclid(n) }
 }
 
 #[cfg(test)]
@@ -186,7 +186,10 @@ mod tests {
                     if w.period(n as f64).is_some() {
                         assert!((0.0..=n as f64).contains(&reduced), "{w:?} {s} of {n} -> {reduced}");
                     }
-                    assert!((read(w, s, n) - read(w, reduced, n)).abs() < 1e-9, "{w:?} {s} of {n} -> {reduced}");
+                    assert!(
+                        (read(w, s, n) - read(w, reduced, n)).abs() < 1e-9,
+                        "{w:?} {s} of {n} -> {reduced}"
+                    );
                     // The sign is that of the axis: a step forwards is a step of this sign.
                     let (ahead, _) = w.reduce(s + 1e-3, n as f64);
                     if (ahead - reduced).abs() < 0.01 && n > 1 {

@@ -2,7 +2,10 @@
 
 import operator
 from collections.abc import Sequence
-from typing import SupportsIndex
+from typing import Any, SupportsIndex, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 
 def wrap_pair(wrap: str | Sequence[str]) -> tuple[str, str]:
@@ -15,11 +18,45 @@ def wrap_pair(wrap: str | Sequence[str]) -> tuple[str, str]:
     return pair[0], pair[1]
 
 
-def count(argument: str, value: SupportsIndex | None) -> int | None:
-    """A whole number of at least 1, or None."""
+@overload
+def count(argument: str, value: SupportsIndex, least: int = 1) -> int: ...
+@overload
+def count(argument: str, value: SupportsIndex | None, least: int = 1) -> int | None: ...
+def count(argument: str, value: SupportsIndex | None, least: int = 1) -> int | None:
+    """A whole number of at least ``least``, or None."""
     if value is None:
         return None
-    number = operator.index(value)
-    if number < 1:
-        raise ValueError(f"{argument}: got {number}, expected at least 1")
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{argument}: got {value!r}, expected a whole number") from None
+    if number < least:
+        raise ValueError(f"{argument}: got {number}, expected at least {least}")
     return number
+
+
+def numbers(argument: str, value: ArrayLike | None, channels: int) -> list[float]:
+    """One number a channel from one number, several, or None (zeros)."""
+    if value is None:
+        return [0.0] * channels
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise TypeError(f"{argument}: got {value!r}, expected numbers") from None
+    if array.ndim > 1 or array.size not in (1, channels):
+        expected = "one number" if channels == 1 else f"one number or {channels}"
+        raise ValueError(f"{argument}: got shape {array.shape}, expected {expected}")
+    return [float(x) for x in np.broadcast_to(array, channels)]
+
+
+def broadcast(argument: str, value: ArrayLike | None, shape: tuple[int, ...]) -> NDArray[Any] | None:
+    """An array of this shape, repeated along axes where it has fewer or single ones."""
+    if value is None:
+        return None
+    array = np.asarray(value)
+    if array.shape == shape:
+        return array
+    try:
+        return np.broadcast_to(array, shape)
+    except ValueError:
+        raise ValueError(f"{argument}: got shape {array.shape}, expected {shape} or one that broadcasts to it") from None

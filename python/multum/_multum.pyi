@@ -1,6 +1,6 @@
 """The compiled part."""
 
-from typing import Any
+from typing import Any, Self, final
 
 from numpy.typing import ArrayLike, NDArray
 
@@ -15,3 +15,63 @@ def build_pyramid(
     coverage: float | None,
     levels: int | None,
 ) -> list[NDArray[Any]]: ...
+def read_image(path: str) -> NDArray[Any]: ...
+def write_image(path: str, image: NDArray[Any]) -> None: ...
+def image_info(path: str) -> tuple[str, int, int, int, str]: ...
+
+@final
+class Sampling:
+    def __new__(
+        cls,
+        filter: str,
+        max_anisotropy: float,
+        lod_bias: float,
+        lod_rule: str,
+        tolerance: float | None,
+        threads: int | None,
+    ) -> Self: ...
+
+@final
+class Texture:
+    def __new__(
+        cls,
+        image: NDArray[Any],
+        wrap: tuple[str, str],
+        border: list[float],
+        encoding: str,
+        alpha: str,
+        pyramid: str,
+        coverage: float | None,
+    ) -> Self: ...
+    @property
+    def width(self) -> int: ...
+    @property
+    def height(self) -> int: ...
+    @property
+    def channels(self) -> int: ...
+    @property
+    def dtype(self) -> str: ...
+    @property
+    def num_levels(self) -> int: ...
+    @property
+    def nbytes(self) -> int: ...
+    @property
+    def wrap(self) -> tuple[str, str]: ...
+    @property
+    def border(self) -> list[float]: ...
+    @property
+    def encoding(self) -> str: ...
+    @property
+    def alpha(self) -> str: ...
+    @property
+    def pyramid(self) -> str: ...
+    def level(self, index: int) -> NDArray[Any]: ...
+    def sample(
+        self,
+        uv: NDArray[Any],
+        jacobian: NDArray[Any] | None,
+        lod: NDArray[Any] | None,
+        sampling: Sampling,
+        out: NDArray[Any] | None,
+    ) -> NDArray[Any]: ...
+    def gradient(self, uv: NDArray[Any], filter: str, threads: int | None) -> NDArray[Any]: ...

@@ -30,7 +30,8 @@ impl Cubic {
                 + (6.0 - 2.0 * self.b)
         };
         let outer = |x: f64| {
-            (((-self.b - 6.0 * self.c) * x + (6.0 * self.b + 30.0 * self.c)) * x + (-12.0 * self.b - 48.0 * self.c))
+            (((-self.b - 6.0 * self.c) * x + (6.0 * self.b + 30.0 * self.c)) * x
+                + (-12.0 * self.b - 48.0 * self.c))
                 * x
                 + (8.0 * self.b + 24.0 * self.c)
         };
@@ -42,7 +43,8 @@ impl Cubic {
     /// Derivatives of the weights by the position `f`.
     fn slopes<R: Real>(self, f: R) -> [R; 4] {
         let inner = |x: f64| {
-            (3.0 * (12.0 - 9.0 * self.b - 6.0 * self.c) * x + 2.0 * (-18.0 + 12.0 * self.b + 6.0 * self.c)) * x
+            (3.0 * (12.0 - 9.0 * self.b - 6.0 * self.c) * x + 2.0 * (-18.0 + 12.0 * self.b + 6.0 * self.c))
+                * x
         };
         let outer = |x: f64| {
             (3.0 * (-self.b - 6.0 * self.c) * x + 2.0 * (6.0 * self.b + 30.0 * self.c)) * x
@@ -55,7 +57,12 @@ impl Cubic {
 }
 
 /// The cubic reconstruction of level 0 at (s, t).
-pub(crate) fn bicubic<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, cubic: Cubic, s: f64, t: f64) -> [T::Real; 4] {
+pub(crate) fn bicubic<T: Texel, D: Decode<T>>(
+    r: &Reader<'_, T, D>,
+    cubic: Cubic,
+    s: f64,
+    t: f64,
+) -> [T::Real; 4] {
     let (i, fx) = place::<T, D>(r, 0, s);
     let (j, fy) = place::<T, D>(r, 1, t);
     sum(r, i, j, cubic.weights(fx), cubic.weights(fy))
@@ -96,7 +103,8 @@ fn sum<T: Texel, D: Decode<T>>(
     for (dy, wy) in (-1..).zip(wy) {
         let mut row = [T::Real::ZERO; 4];
         for (dx, wx) in (-1..).zip(wx) {
-            let texel = if inside { r.decode.texel(plane.texel(i + dx, j + dy)) } else { r.tap(0, i + dx, j + dy) };
+            let texel =
+                if inside { r.decode.texel(plane.texel(i + dx, j + dy)) } else { r.tap(0, i + dx, j + dy) };
             for (sum, value) in row.iter_mut().zip(texel) {
                 *sum += wx * value;
             }

@@ -8,7 +8,12 @@ use crate::texture::Decode;
 /// `(1-a)(1-b) T(i,j) + a(1-b) T(i+1,j) + (1-a)b T(i,j+1) + ab T(i+1,j+1)`, computed as three linear
 /// interpolations so that equal texels give exactly their value. Cost: four texels.
 #[inline(always)]
-pub(crate) fn bilinear<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, level: usize, s: f64, t: f64) -> [T::Real; 4] {
+pub(crate) fn bilinear<T: Texel, D: Decode<T>>(
+    r: &Reader<'_, T, D>,
+    level: usize,
+    s: f64,
+    t: f64,
+) -> [T::Real; 4] {
     let (s, t) = r.on_level(level, s, t);
     let (i, a) = whole_and_part::<T::Real>(s - 0.5);
     let (j, b) = whole_and_part::<T::Real>(t - 0.5);
@@ -20,12 +25,17 @@ pub(crate) fn bilinear<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, level: usiz
 /// `d/da = (1-b)(T(i+1,j) - T(i,j)) + b(T(i+1,j+1) - T(i,j+1))`, and likewise by b.
 /// On a texel centre's line, where the slope jumps, the slope towards larger coordinates is given.
 /// Along the picture as stored: where a mirrored copy runs backwards the caller turns the sign.
-pub(crate) fn bilinear_gradient<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, s: f64, t: f64) -> [[T::Real; 4]; 3] {
+pub(crate) fn bilinear_gradient<T: Texel, D: Decode<T>>(
+    r: &Reader<'_, T, D>,
+    s: f64,
+    t: f64,
+) -> [[T::Real; 4]; 3] {
     let (s, t) = r.on_level(0, s, t);
     let (i, a) = whole_and_part::<T::Real>(s - 0.5);
     let (j, b) = whole_and_part::<T::Real>(t - 0.5);
     let [t00, t10, t01, t11] = r.taps(0, i, j);
-    let difference = |p: [T::Real; 4], q: [T::Real; 4]| -> [T::Real; 4] { std::array::from_fn(|k| q[k] - p[k]) };
+    let difference =
+        |p: [T::Real; 4], q: [T::Real; 4]| -> [T::Real; 4] { std::array::from_fn(|k| q[k] - p[k]) };
     [
         lerp4(lerp4(t00, t10, a), lerp4(t01, t11, a), b),
         lerp4(difference(t00, t10), difference(t01, t11), b),

@@ -104,7 +104,9 @@ impl<'a, T: Texel, D: Decode<T>> Reader<'a, T, D> {
         let scale = layers
             .planes
             .iter()
-            .map(|p| [f64::from(p.width) / f64::from(base.width), f64::from(p.height) / f64::from(base.height)])
+            .map(|p| {
+                [f64::from(p.width) / f64::from(base.width), f64::from(p.height) / f64::from(base.height)]
+            })
             .collect();
         Self { layers, decode, outside: decode.outside(layers.border), scale }
     }
@@ -176,6 +178,6 @@ fn lerp4<R: Real>(a: [R; 4], b: [R; 4], t: R) -> [R; 4] {
 /// The whole and the fractional part of a coordinate.
 #[inline(always)]
 fn whole_and_part<R: Real>(x: f64) -> (i32, R) {
-    let whole = x.floor();
-    (whole as i32, R::from_f64(x - whole))
+    let whole = crate::num::floor(x);
+    (whole as i32, R::from_f64(x - whole as f64))
 }

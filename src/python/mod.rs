@@ -4,12 +4,16 @@ use pyo3::prelude::*;
 
 pub mod convert;
 mod errors;
+mod files;
 mod pyramid;
+mod texture;
 
 /// Texture sampling and filtering on the CPU (the compiled part).
 #[pymodule]
 fn _multum(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    files::register(module)?;
     pyramid::register(module)?;
+    texture::register(module)?;
     Ok(())
 }

@@ -61,7 +61,10 @@ fn code_table(encoding: Encoding, dtype: DType) -> Option<&'static [f32]> {
         _ => return None,
     };
     let last = dtype.full_scale() as u32;
-    Some(TABLES[slot].get_or_init(|| (0..=last).map(|c| decode(encoding, dtype, f64::from(c)) as f32).collect()))
+    Some(
+        TABLES[slot]
+            .get_or_init(|| (0..=last).map(|c| decode(encoding, dtype, f64::from(c)) as f32).collect()),
+    )
 }
 
 /// How one texture's codes are read; two types, so that the common case has no branches.

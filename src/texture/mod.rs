@@ -15,7 +15,7 @@ use std::sync::OnceLock;
 mod layers;
 mod store;
 
-pub(crate) use layers::{Decoder, Layers};
+pub(crate) use layers::{Decode, Decoder, Layers, Plain};
 use store::{Level, borrowed_plane, lanes_of};
 
 /// Options of a texture, each with its default.
@@ -266,7 +266,11 @@ impl<'a> Texture<'a> {
     }
 
     /// Makes all levels; `base` is the stored first level where it has extra texels to reduce.
-    fn build_levels<T: Element>(&self, image: View<'_, T>, base: Option<(&Level, &[T])>) -> Result<Vec<Level>> {
+    fn build_levels<T: Element>(
+        &self,
+        image: View<'_, T>,
+        base: Option<(&Level, &[T])>,
+    ) -> Result<Vec<Level>> {
         let lanes = lanes_of(self.channels());
         let options = pyramid::Options {
             kind: self.options.pyramid,
@@ -324,7 +328,8 @@ impl<'a> Texture<'a> {
                 planes.push(level.plane(group, self.options.wrap).ok_or_else(wrong)?);
             }
         }
-        let border = std::array::from_fn(|lane| self.options.border.get(4 * group + lane).copied().unwrap_or(0.0));
+        let border =
+            std::array::from_fn(|lane| self.options.border.get(4 * group + lane).copied().unwrap_or(0.0));
         Ok(Layers { planes, wrap: self.options.wrap, border, decoder: Decoder::new::<T>(self.stored, group) })
     }
 

@@ -1,10 +1,10 @@
 //! How levels lie in memory.
 
 use crate::error::Result;
-use crate::image::{Element, Pixels, View, for_any};
+use crate::image::{Element, Pixels, View};
 use crate::kernel::plane::Plane;
 use crate::pyramid;
-use crate::texel::{DType, Texel, f16};
+use crate::texel::{DType, Texel};
 use crate::wrap::Wrap;
 
 /// A stored level: texel (0, 0) stands one row and one texel into `texels`.
@@ -48,7 +48,11 @@ impl Level {
     }
 
     /// A level from a picture with `f(channel, code)` in place of each code.
-    pub fn store<S: Texel, T: Element>(view: View<'_, S>, wrap: [Wrap; 2], f: impl Fn(usize, f64) -> T) -> Self {
+    pub fn store<S: Texel, T: Element>(
+        view: View<'_, S>,
+        wrap: [Wrap; 2],
+        f: impl Fn(usize, f64) -> T,
+    ) -> Self {
         Self::convert(view, wrap, |texel, lanes| {
             for (c, (from, to)) in texel.iter().zip(lanes).enumerate() {
                 *to = f(c, from.to_f64());
@@ -56,7 +60,11 @@ impl Level {
         })
     }
 
-    fn convert<S: Texel, T: Element>(view: View<'_, S>, wrap: [Wrap; 2], put: impl Fn(&[S], &mut [T])) -> Self {
+    fn convert<S: Texel, T: Element>(
+        view: View<'_, S>,
+        wrap: [Wrap; 2],
+        put: impl Fn(&[S], &mut [T]),
+    ) -> Self {
         let extra = wrap.map(|w| usize::from(w == Wrap::Extend));
         let (width, height) = (view.width() - 2 * extra[0], view.height() - 2 * extra[1]);
         let lanes = lanes_of(view.channels());
@@ -112,7 +120,13 @@ pub(super) fn borrowed_plane<T: Texel>(view: View<'_, T>, group: usize) -> Plane
 
 /// Writes the apron around a stored level. Sides of [`Wrap::Extend`] are there already; those of
 /// [`Wrap::Border`] are never read.
-pub(super) fn fill_apron<T: Texel>(data: &mut [T], width: usize, height: usize, lanes: usize, wrap: [Wrap; 2]) {
+pub(super) fn fill_apron<T: Texel>(
+    data: &mut [T],
+    width: usize,
+    height: usize,
+    lanes: usize,
+    wrap: [Wrap; 2],
+) {
     let row = (width + 2) * lanes;
     let outside = |axis: usize, i: i64, n: usize| match wrap[axis] {
         Wrap::Extend | Wrap::Border => None,
@@ -170,7 +184,12 @@ pub(super) fn reduce_extra<T: Element>(
                     pyramid::Target { data, origin: 0, row_stride: n * lanes, width: n, height: 1 }
                 })
                 .collect();
-            pyramid::build_into(View::new(&strip, length, 1, lanes, length * lanes)?, lanes, &mut targets, &strip_options)?;
+            pyramid::build_into(
+                View::new(&strip, length, 1, lanes, length * lanes)?,
+                lanes,
+                &mut targets,
+                &strip_options,
+            )?;
             for (l, (data, &(w, h))) in stores.iter_mut().zip(sizes).enumerate() {
                 let source = reduced.get(l.min(reduced.len().saturating_sub(1))).unwrap_or(&strip);
                 let row = (w + 2) * lanes;
@@ -196,4 +215,3 @@ pub(super) fn reduce_extra<T: Element>(
     }
     Ok(())
 }
-
