@@ -94,11 +94,11 @@ impl Wrap {
     pub fn reduce(self, s: f64, n: f64) -> (f64, f64) {
         match self {
             Self::Clamp | Self::Border | Self::Extend => (s, 1.0),
-            _ if s >= 0.0 && s <= n && self != Self::Mirror101 => (s, 1.0),
+            _ if s >= 0.0 && s < n && self != Self::Mirror101 => (s, 1.0),
             Self::Repeat => (modulo(s, n), 1.0),
             Self::Mirror => {
                 let m = modulo(s, 2.0 * n);
-                if m <= n { (m, 1.0) } else { (2.0 * n - m, -1.0) }
+                if m < n { (m, 1.0) } else { (2.0 * n - m, -1.0) }
             }
             Self::MirrorOnce => {
                 if s < 0.0 {
@@ -110,7 +110,7 @@ impl Wrap {
             Self::Mirror101 if n == 1.0 => (s * 0.0 + 0.5, 1.0),
             Self::Mirror101 => {
                 let m = modulo(s - 0.5, 2.0 * n - 2.0);
-                if m <= n - 1.0 { (m + 0.5, 1.0) } else { (2.0 * n - 1.5 - m, -1.0) }
+                if m < n - 1.0 { (m + 0.5, 1.0) } else { (2.0 * n - 1.5 - m, -1.0) }
             }
         }
     }
