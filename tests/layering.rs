@@ -13,7 +13,7 @@ const RANKS: &[(&str, u32)] = &[
     ("texel", 2),
     ("encode", 3),
     ("image", 3),
-    ("files", 3),
+    ("files", 4),
     ("wrap", 3),
     ("pyramid", 4),
     ("sat", 4),
