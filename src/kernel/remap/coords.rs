@@ -68,8 +68,7 @@ fn to_int(x: f64) -> i32 {
 #[inline(always)]
 fn place<A: Real>(buffer: &mut Buffer<A>, i: usize, x: f64, y: f64) {
     let ((xi, fx), (yi, fy)) = (take_apart(x), take_apart(y));
-    // The difference is NaN exactly for NaN and infinities.
-    let finite = (x - x) + (y - y) == 0.0;
+    let finite = x.abs() < f64::INFINITY && y.abs() < f64::INFINITY;
     buffer.x[i] = if finite { xi } else { NOWHERE };
     buffer.y[i] = if finite { yi } else { NOWHERE };
     buffer.fx[i] = if finite { fx } else { A::default() };

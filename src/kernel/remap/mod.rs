@@ -223,7 +223,7 @@ pub fn remap<T: Sample>(
         Points::Plain(x, y) => [x.len(), y.len(), count, count],
         Points::Split(s) => [s.x.len(), s.y.len(), s.fx.len(), s.fy.len()],
     };
-    if out.len() % job.source.channels != 0 || lengths != [count; 4] {
+    if !out.len().is_multiple_of(job.source.channels) || lengths != [count; 4] {
         let got = format!("{} elements for {lengths:?} positions", out.len());
         return Err(Error::value("out", got, "one pixel a position"));
     }

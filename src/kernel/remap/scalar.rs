@@ -196,14 +196,14 @@ fn beyond<T: Sample, const K: usize>(
     if columns.iter().all(Option::is_none) || rows.iter().all(Option::is_none) {
         return nowhere(job, out);
     }
-    for k in 0..channels {
-        let border = if job.outside == Outside::Previous { out[k] } else { job.border[k] };
+    for (k, o) in out.iter_mut().enumerate() {
+        let border = if job.outside == Outside::Previous { *o } else { job.border[k] };
         let taps = rows.map(|row| {
             columns.map(|column| match (column, row) {
                 (Some(x), Some(y)) => s.data[y * s.row_stride + x * channels + k],
                 _ => border,
             })
         });
-        out[k] = combine(taps);
+        *o = combine(taps);
     }
 }

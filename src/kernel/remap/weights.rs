@@ -71,6 +71,32 @@ pub fn look_up<A: Real>(table: &Table<A>, f: A) -> [A; 8] {
     std::array::from_fn(|k| low[k] + rest * (high[k] - low[k]))
 }
 
+/// Weights of `K` taps.
+pub trait Weights<const K: usize> {
+    /// Weights at fraction `f`.
+    fn at(&self, f: f32) -> [f32; K];
+}
+
+/// Cubic convolution with this parameter.
+pub struct Cubic(pub f32);
+
+impl Weights<4> for Cubic {
+    #[inline(always)]
+    fn at(&self, f: f32) -> [f32; 4] {
+        cubic(self.0, f)
+    }
+}
+
+/// Lanczos weights from the table.
+pub struct Lanczos(pub &'static Table<f32>);
+
+impl Weights<8> for Lanczos {
+    #[inline(always)]
+    fn at(&self, f: f32) -> [f32; 8] {
+        look_up(self.0, f)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

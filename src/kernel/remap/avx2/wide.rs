@@ -1,0 +1,173 @@
+//! Bilinear of more than a byte a channel, cubic and Lanczos: one pixel at a time.
+
+use super::bilinear::{rounded, words};
+use super::{Block, Kernel, LANES};
+use crate::kernel::remap::sample::Sample;
+use crate::kernel::remap::weights::Weights;
+use std::arch::x86_64::*;
+
+/// Numbers of a block of four channels, and three more that a store may spill.
+pub(super) const BUFFER: usize = 4 * LANES + 4;
+
+/// Loads of wider formats and the way back.
+pub(super) trait Wide: Sample<Acc = f32> {
+    /// The eight elements from `p` on.
+    /// # Safety
+    /// They are readable.
+    unsafe fn eight(p: *const Self) -> __m256;
+    /// Rounds and stores `count` numbers, a multiple of 8.
+    /// # Safety
+    /// `out` has room for them.
+    unsafe fn store(from: &[f32; BUFFER], count: usize, out: *mut Self);
+}
+
+/// Clamps and rounds eight numbers into the low bits of the lanes.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn saturated(x: __m256, max: f32) -> __m256i {
+    // The operands' order makes 0 of NaN.
+    rounded(_mm256_min_ps(_mm256_max_ps(x, _mm256_setzero_ps()), _mm256_set1_ps(max)))
+}
+
+impl Wide for u8 {
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    unsafe fn eight(p: *const u8) -> __m256 {
+        // SAFETY: the caller vouches for eight bytes.
+        _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(unsafe { _mm_loadl_epi64(p.cast()) }))
+    }
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    unsafe fn store(from: &[f32; BUFFER], count: usize, out: *mut u8) {
+        for i in (0..count).step_by(8) {
+            // SAFETY: `count` is at most 32, and so is the room.
+            unsafe {
+                let v = words(saturated(_mm256_loadu_ps(from.as_ptr().add(i)), 255.0));
+                _mm_storel_epi64(out.add(i).cast(), _mm_packus_epi16(v, v));
+            }
+        }
+    }
+}
+
+impl Wide for u16 {
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    unsafe fn eight(p: *const u16) -> __m256 {
+        // SAFETY: the caller vouches for eight elements.
+        _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(unsafe { _mm_loadu_si128(p.cast()) }))
+    }
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    unsafe fn store(from: &[f32; BUFFER], count: usize, out: *mut u16) {
+        for i in (0..count).step_by(8) {
+            // SAFETY: `count` is at most 32, and so is the room.
+            unsafe {
+                let v = words(saturated(_mm256_loadu_ps(from.as_ptr().add(i)), 65_535.0));
+                _mm_storeu_si128(out.add(i).cast(), v);
+            }
+        }
+    }
+}
+
+impl Wide for f32 {
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    unsafe fn eight(p: *const f32) -> __m256 {
+        // SAFETY: the caller vouches for eight floats.
+        unsafe { _mm256_loadu_ps(p) }
+    }
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    unsafe fn store(from: &[f32; BUFFER], count: usize, out: *mut f32) {
+        // SAFETY: `count` is at most 32, and so is the room.
+        unsafe { std::ptr::copy_nonoverlapping(from.as_ptr(), out, count) };
+    }
+}
+
+/// Bilinear, three or four channels of more than a byte.
+pub(super) struct Pairs<const C: usize>;
+
+impl<T: Wide, const C: usize> Kernel<T> for Pairs<C> {
+    const CHANNELS: usize = C;
+    const TAPS: usize = 2;
+    const LOAD: usize = 8;
+
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    unsafe fn block(&self, rows: *const T, stride: usize, block: &Block, out: *mut T) {
+        let (mut fx, mut fy) = ([0f32; LANES], [0f32; LANES]);
+        let mut buffer = [0f32; BUFFER];
+        let second = _mm256_setr_epi32(3, 4, 5, 5, 3, 4, 5, 5);
+        // SAFETY: eight elements are readable in both rows; the buffers are long enough.
+        unsafe {
+            _mm256_storeu_ps(fx.as_mut_ptr(), block.fx);
+            _mm256_storeu_ps(fy.as_mut_ptr(), block.fy);
+            for i in 0..LANES {
+                let p = rows.add(block.offsets[i] as usize);
+                let (upper, lower) = (T::eight(p), T::eight(p.add(stride)));
+                let fy = _mm256_set1_ps(fy[i]);
+                let both = _mm256_add_ps(upper, _mm256_mul_ps(fy, _mm256_sub_ps(lower, upper)));
+                let left = _mm256_castps256_ps128(both);
+                let right = if C == 3 {
+                    _mm256_castps256_ps128(_mm256_permutevar8x32_ps(both, second))
+                } else {
+                    _mm256_extractf128_ps::<1>(both)
+                };
+                let step = _mm_mul_ps(_mm_set1_ps(fx[i]), _mm_sub_ps(right, left));
+                _mm_storeu_ps(buffer.as_mut_ptr().add(i * C), _mm_add_ps(left, step));
+            }
+            T::store(&buffer, LANES * C, out);
+        }
+    }
+}
+
+/// `K` x `K` taps of three or four channels.
+pub(super) struct Separable<W, const K: usize, const C: usize>(pub W);
+
+impl<T: Wide, W: Weights<K>, const K: usize, const C: usize> Kernel<T> for Separable<W, K, C> {
+    const CHANNELS: usize = C;
+    const TAPS: usize = K;
+    const LOAD: usize = (K - 2) * C + 8;
+
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    unsafe fn block(&self, rows: *const T, stride: usize, block: &Block, out: *mut T) {
+        let (mut fx, mut fy) = ([0f32; LANES], [0f32; LANES]);
+        // SAFETY: the arrays are 32 bytes.
+        unsafe {
+            _mm256_storeu_ps(fx.as_mut_ptr(), block.fx);
+            _mm256_storeu_ps(fy.as_mut_ptr(), block.fy);
+        }
+        let (wx, wy) = (fx.map(|f| self.0.at(f)), fy.map(|f| self.0.at(f)));
+        let mut buffer = [0f32; BUFFER];
+        let apart = _mm256_setr_epi32(0, 1, 2, 2, 3, 4, 5, 5);
+        for i in 0..LANES {
+            // SAFETY: `LOAD` elements are readable in each of `K` rows.
+            unsafe {
+                let p = rows.add(block.offsets[i] as usize);
+                // Two taps, four lanes each; the sum does not depend on where three channels are put apart.
+                let columns = |group: usize| {
+                    let p = p.add(2 * group * C);
+                    let mut sum = _mm256_mul_ps(_mm256_set1_ps(wy[i][0]), T::eight(p));
+                    for (j, &w) in wy[i].iter().enumerate().skip(1) {
+                        sum =
+                            _mm256_add_ps(sum, _mm256_mul_ps(_mm256_set1_ps(w), T::eight(p.add(j * stride))));
+                    }
+                    let placed = if C == 3 { _mm256_permutevar8x32_ps(sum, apart) } else { sum };
+                    let w = _mm256_set_m128(_mm_set1_ps(wx[i][2 * group + 1]), _mm_set1_ps(wx[i][2 * group]));
+                    _mm256_mul_ps(w, placed)
+                };
+                let two = if K == 8 {
+                    let first = _mm256_add_ps(columns(0), columns(2));
+                    _mm256_add_ps(first, _mm256_add_ps(columns(1), columns(3)))
+                } else {
+                    _mm256_add_ps(columns(0), columns(1))
+                };
+                let one = _mm_add_ps(_mm256_castps256_ps128(two), _mm256_extractf128_ps::<1>(two));
+                _mm_storeu_ps(buffer.as_mut_ptr().add(i * C), one);
+            }
+        }
+        // SAFETY: the output has room for the block.
+        unsafe { T::store(&buffer, LANES * C, out) };
+    }
+}
