@@ -25,6 +25,8 @@ pub mod filter;
 
 pub mod sampler;
 
+pub mod warp;
+
 pub mod raster;
 
 #[cfg(feature = "python")]

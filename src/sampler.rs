@@ -1,5 +1,6 @@
 //! How to sample: a filter with its limits, over batches of places.
 
+use crate::encode::{Encoding, Format, encode};
 use crate::error::{Error, Result};
 use crate::filter::{
     Cubic, Filter, Query, Reader, anisotropic, bicubic, bicubic_gradient, bilinear, bilinear_gradient,
@@ -11,7 +12,7 @@ use crate::lod::LodRule;
 use crate::num::Real;
 use crate::par;
 use crate::texel::{DType, f16};
-use crate::texture::{Decode, Plain, Texture};
+use crate::texture::{Decode, Decoder, Plain, Texture};
 
 /// Samples a tile: small enough to balance, large enough to be worth a hand-over.
 const TILE: usize = 4096;
@@ -68,18 +69,74 @@ struct Slots<'a, O> {
     group: usize,
 }
 
-impl<O: Real> Slots<'_, O> {
-    fn fill<R: Real>(
+impl<O: Copy> Slots<'_, O> {
+    fn fill(
         self,
         places: impl Fn(usize) -> (Query, Option<f32>),
-        sample: impl Fn(&Query, Option<f32>) -> [R; 4],
+        sample: impl Fn(&Query, Option<f32>) -> [O; 4],
     ) {
         for (k, out) in self.out.chunks_exact_mut(self.channels).enumerate() {
             let (query, lod) = places(k);
             for (out, value) in out[4 * self.group..].iter_mut().zip(sample(&query, lod)) {
-                *out = O::from_f64(value.to_f64());
+                *out = value;
             }
         }
+    }
+}
+
+/// Where sample `i` lies and what it covers.
+pub(crate) type Places<'a> = dyn Fn(usize) -> (Query, Option<f32>) + Sync + 'a;
+
+/// From averages to what the caller gets.
+trait Finish<T: Element, O>: Sync {
+    /// Of codes proportional to results.
+    fn plain(&self, r: &Reader<'_, T, Plain>, average: [T::Real; 4], group: usize) -> [O; 4];
+    /// Of decoded codes.
+    fn decoded(&self, r: &Reader<'_, T, Decoder>, average: [T::Real; 4], group: usize) -> [O; 4];
+}
+
+/// Numbers: linear, straight where the texture is.
+struct Results<O>(std::marker::PhantomData<O>);
+
+impl<T: Element, O: Real> Finish<T, O> for Results<O> {
+    #[inline(always)]
+    fn plain(&self, r: &Reader<'_, T, Plain>, average: [T::Real; 4], _group: usize) -> [O; 4] {
+        r.finish(average).map(|x| O::from_f64(x.to_f64()))
+    }
+
+    #[inline(always)]
+    fn decoded(&self, r: &Reader<'_, T, Decoder>, average: [T::Real; 4], _group: usize) -> [O; 4] {
+        r.finish(average).map(|x| O::from_f64(x.to_f64()))
+    }
+}
+
+/// Codes of the texture's own type and encoding, rounded to nearest.
+struct Codes {
+    format: Format,
+    dtype: DType,
+}
+
+impl<T: Element, O: Element> Finish<T, O> for Codes {
+    #[inline(always)]
+    fn plain(&self, r: &Reader<'_, T, Plain>, average: [T::Real; 4], group: usize) -> [O; 4] {
+        if T::DTYPE == O::DTYPE && self.format.encoding == Encoding::Linear {
+            // Averages of codes are codes: no division and product to disturb a half.
+            return average.map(|x| O::from_f64(x.to_f64()));
+        }
+        self.encoded(r.finish(average), group)
+    }
+
+    fn decoded(&self, r: &Reader<'_, T, Decoder>, average: [T::Real; 4], group: usize) -> [O; 4] {
+        self.encoded(r.finish(average), group)
+    }
+}
+
+impl Codes {
+    fn encoded<R: Real, O: Element>(&self, results: [R; 4], group: usize) -> [O; 4] {
+        std::array::from_fn(|lane| {
+            let encoding = self.format.channel_encoding(4 * group + lane);
+            O::from_f64(encode(encoding, self.dtype, results[lane].to_f64()))
+        })
     }
 }
 
@@ -174,30 +231,49 @@ impl Sampler {
         &self,
         texture: &Texture<'_>,
         samples: usize,
-        places: &(impl Fn(usize) -> (Query, Option<f32>) + Sync),
+        places: &Places<'_>,
         out: &mut [O],
     ) -> Result<()> {
+        let result = Results::<O>(std::marker::PhantomData);
         match texture.stored_dtype() {
-            DType::U8 => self.sample_typed::<u8, O>(texture, samples, places, out),
-            DType::U16 => self.sample_typed::<u16, O>(texture, samples, places, out),
-            DType::F16 => self.sample_typed::<f16, O>(texture, samples, places, out),
-            DType::F32 => self.sample_typed::<f32, O>(texture, samples, places, out),
-            DType::F64 => self.sample_typed::<f64, O>(texture, samples, places, out),
+            DType::U8 => self.batch::<u8, _, O>(texture, samples, places, &result, out),
+            DType::U16 => self.batch::<u16, _, O>(texture, samples, places, &result, out),
+            DType::F16 => self.batch::<f16, _, O>(texture, samples, places, &result, out),
+            DType::F32 => self.batch::<f32, _, O>(texture, samples, places, &result, out),
+            DType::F64 => self.batch::<f64, _, O>(texture, samples, places, &result, out),
         }
     }
 
-    fn sample_typed<T: Element, O: Real>(
+    /// As [`Sampler::sample_places`], with results as codes of the texture's own type and encoding.
+    pub(crate) fn sample_codes<O: Element>(
         &self,
         texture: &Texture<'_>,
         samples: usize,
-        places: &(impl Fn(usize) -> (Query, Option<f32>) + Sync),
+        places: &Places<'_>,
+        out: &mut [O],
+    ) -> Result<()> {
+        let codes = Codes { format: texture.format(), dtype: texture.dtype() };
+        match texture.stored_dtype() {
+            DType::U8 => self.batch::<u8, _, O>(texture, samples, places, &codes, out),
+            DType::U16 => self.batch::<u16, _, O>(texture, samples, places, &codes, out),
+            DType::F16 => self.batch::<f16, _, O>(texture, samples, places, &codes, out),
+            DType::F32 => self.batch::<f32, _, O>(texture, samples, places, &codes, out),
+            DType::F64 => self.batch::<f64, _, O>(texture, samples, places, &codes, out),
+        }
+    }
+
+    fn batch<T: Element, K: Finish<T, O>, O: Copy + Send>(
+        &self,
+        texture: &Texture<'_>,
+        samples: usize,
+        places: &Places<'_>,
+        finish: &K,
         out: &mut [O],
     ) -> Result<()> {
         let channels = texture.channels();
         for group in 0..texture.num_groups() {
             // Levels are made here, on the calling thread, before work is handed out.
             let layers = texture.layers::<T>(group, self.filter.uses_levels())?;
-            let threads = if samples < SERIAL { Some(1) } else { None };
             let tiles = out.chunks_mut(TILE * channels);
             let run = || {
                 par::for_each(tiles, |tile, out| {
@@ -205,25 +281,26 @@ impl Sampler {
                     let places = |k| places(tile * TILE + k);
                     if layers.decoder.is_plain() {
                         let reader = Reader::new(&layers, Plain { full_scale: layers.decoder.full_scale });
-                        out.fill(places, |q, lod| self.one(&reader, q, lod));
+                        out.fill(places, |q, lod| {
+                            finish.plain(&reader, self.average(&reader, q, lod), group)
+                        });
                     } else {
                         let reader = Reader::new(&layers, layers.decoder);
-                        out.fill(places, |q, lod| self.one(&reader, q, lod));
+                        out.fill(places, |q, lod| {
+                            finish.decoded(&reader, self.average(&reader, q, lod), group)
+                        });
                     }
                     Ok(())
                 })
             };
-            match threads {
-                Some(_) => par::with_threads(threads, run)?,
-                None => run()?,
-            }
+            if samples < SERIAL { par::with_threads(Some(1), run)? } else { run()? }
         }
         Ok(())
     }
 
-    /// One sample.
+    /// One sample, not yet finished.
     #[inline]
-    fn one<T: Element, D: Decode<T>>(
+    fn average<T: Element, D: Decode<T>>(
         &self,
         r: &Reader<'_, T, D>,
         query: &Query,
@@ -231,9 +308,9 @@ impl Sampler {
     ) -> [T::Real; 4] {
         let (s, t) = (query.s, query.t);
         if !(s.is_finite() && t.is_finite()) {
-            return r.border();
+            return r.outside();
         }
-        let average = match self.filter {
+        match self.filter {
             Filter::Nearest => nearest(r, 0, s, t),
             Filter::Bilinear => bilinear(r, 0, s, t),
             Filter::Bicubic => bicubic(r, Cubic::CATMULL_ROM, s, t),
@@ -245,8 +322,7 @@ impl Sampler {
                 let lod = lod.unwrap_or_else(|| self.lod_rule.lod(query.jacobian_tx)) + self.lod_bias;
                 mipmap(r, filter, s, t, lod)
             }
-        };
-        r.finish(average)
+        }
     }
 }
 

@@ -4,13 +4,20 @@ from ._files import ImageInfo, image_info, read_image, write_image
 from ._multum import __version__
 from ._pyramid import build_pyramid
 from ._texture import Texture
+from ._threads import get_num_threads, set_num_threads
+from ._warp import remap, resize, warp
 
 __all__ = [
     "ImageInfo",
     "Texture",
     "__version__",
     "build_pyramid",
+    "get_num_threads",
     "image_info",
     "read_image",
+    "remap",
+    "resize",
+    "set_num_threads",
+    "warp",
     "write_image",
 ]

@@ -59,4 +59,17 @@ def broadcast(argument: str, value: ArrayLike | None, shape: tuple[int, ...]) ->
     try:
         return np.broadcast_to(array, shape)
     except ValueError:
-        raise ValueError(f"{argument}: got shape {array.shape}, expected {shape} or one that broadcasts to it") from None
+        raise ValueError(
+            f"{argument}: got shape {array.shape}, expected {shape} or one that broadcasts to it"
+        ) from None
+
+
+def size_pair(argument: str, value: Sequence[SupportsIndex]) -> tuple[int, int]:
+    """Two whole numbers of at least 1."""
+    try:
+        first, second = (operator.index(n) for n in value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{argument}: got {value!r}, expected two whole numbers (height, width)") from None
+    if first < 1 or second < 1:
+        raise ValueError(f"{argument}: got {(first, second)}, expected numbers of at least 1")
+    return first, second

@@ -2,6 +2,7 @@
 
 from typing import Any, Self, final
 
+import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __version__: str
@@ -75,3 +76,36 @@ class Texture:
         out: NDArray[Any] | None,
     ) -> NDArray[Any]: ...
     def gradient(self, uv: NDArray[Any], filter: str, threads: int | None) -> NDArray[Any]: ...
+
+@final
+class Warping:
+    def __new__(
+        cls,
+        sampling: Sampling,
+        wrap: tuple[str, str],
+        border: list[float],
+        encoding: str,
+        alpha: str,
+    ) -> Self: ...
+
+def warp_image(
+    image: NDArray[Any],
+    matrix: list[list[float]] | None,
+    map_x: NDArray[Any] | None,
+    map_y: NDArray[Any] | None,
+    period: tuple[float | None, float | None],
+    shape: tuple[int, int],
+    warping: Warping,
+    out: NDArray[Any] | None,
+) -> NDArray[Any]: ...
+def warp_coverage(
+    image_shape: tuple[int, int],
+    matrix: list[list[float]] | None,
+    map_x: NDArray[Any] | None,
+    map_y: NDArray[Any] | None,
+    period: tuple[float | None, float | None],
+    shape: tuple[int, int],
+    warping: Warping,
+) -> NDArray[np.float32]: ...
+def set_num_threads(threads: int) -> None: ...
+def get_num_threads() -> int: ...

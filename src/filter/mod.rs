@@ -163,9 +163,9 @@ impl<'a, T: Texel, D: Decode<T>> Reader<'a, T, D> {
         self.decode.finish_slope(average, slope)
     }
 
-    /// The border colour as a result.
-    pub fn border(&self) -> [T::Real; 4] {
-        self.decode.finish(self.outside)
+    /// The border colour as an average.
+    pub fn outside(&self) -> [T::Real; 4] {
+        self.outside
     }
 }
 

@@ -7,6 +7,8 @@ mod errors;
 mod files;
 mod pyramid;
 mod texture;
+mod threads;
+mod warp;
 
 /// Texture sampling and filtering on the CPU (the compiled part).
 #[pymodule]
@@ -15,5 +17,7 @@ fn _multum(module: &Bound<'_, PyModule>) -> PyResult<()> {
     files::register(module)?;
     pyramid::register(module)?;
     texture::register(module)?;
+    threads::register(module)?;
+    warp::register(module)?;
     Ok(())
 }

@@ -1,0 +1,195 @@
+//! From output pixels to input pixels, with derivatives.
+
+use super::query_at;
+use crate::error::{Error, Result};
+use crate::filter::Query;
+use crate::jacobian::Jacobian;
+
+/// Where each output pixel lies in the input; pixel centres at whole numbers.
+#[derive(Clone, Copy, Debug)]
+pub enum Mapping<'a> {
+    /// `(x, y) = A (X, Y, 1)`.
+    Affine([[f64; 3]; 2]),
+    /// `(x w, y w, w) = H (X, Y, 1)`; places with w = 0 are not finite.
+    Projective([[f64; 3]; 3]),
+    /// One place for each output pixel, in single precision.
+    Single(Maps<'a, f32>),
+    /// One place for each output pixel, in double precision.
+    Double(Maps<'a, f64>),
+}
+
+/// The x and y of every output pixel, row by row: element `i * step` of each slice.
+#[derive(Clone, Copy, Debug)]
+pub struct Maps<'a, U> {
+    /// Input columns.
+    pub x: &'a [U],
+    /// Input rows.
+    pub y: &'a [U],
+    /// 1 for two arrays, 2 for one of pairs.
+    pub step: usize,
+    /// Length after which the map's x and y begin anew, if they do: across such a jump the derivative goes on.
+    pub period: [Option<f64>; 2],
+}
+
+impl<'a, U> Maps<'a, U> {
+    /// Maps from interleaved pairs.
+    pub fn pairs(xy: &'a [U], period: [Option<f64>; 2]) -> Self {
+        Self { x: xy, y: xy.get(1..).unwrap_or(&[]), step: 2, period }
+    }
+}
+
+/// Derivative along one axis from the places before, at and after a pixel; NaN stands for "none".
+///
+/// The mean of both differences, or the one that there is. Where one is over twice the other plus one
+/// pixel, the map jumps between these two pixels (a cut, a fold, the edge of a face), and the smaller of them
+/// is the derivative on this pixel's side. Differences of nearly whole periods are taken modulo the period.
+fn difference(before: f64, here: f64, after: f64, period: Option<f64>) -> f64 {
+    let near = |d: f64| match period {
+        Some(p) if d.is_finite() => d - p * (d / p).round(),
+        _ => d,
+    };
+    let (back, forward) = (near(here - before), near(after - here));
+    match (back.is_finite(), forward.is_finite()) {
+        (true, true) => {
+            if back.abs() > 2.0 * forward.abs() + 1.0 {
+                forward
+            } else if forward.abs() > 2.0 * back.abs() + 1.0 {
+                back
+            } else {
+                0.5 * (back + forward)
+            }
+        }
+        (true, false) => back,
+        (false, true) => forward,
+        (false, false) => 0.0,
+    }
+}
+
+impl<U: Copy + Into<f64>> Maps<'_, U> {
+    fn at(&self, values: &[U], i: usize) -> f64 {
+        values[i * self.step].into()
+    }
+
+    fn query(&self, column: usize, row: usize, width: usize, height: usize) -> Query {
+        let i = row * width + column;
+        let axis = |values: &[U], period| {
+            let here = self.at(values, i);
+            let at = |exists: bool, i: usize| if exists { self.at(values, i) } else { f64::NAN };
+            let left = at(column > 0, i.wrapping_sub(1));
+            let right = at(column + 1 < width, i + 1);
+            let above = at(row > 0, i.wrapping_sub(width));
+            let below = at(row + 1 < height, i + width);
+            (here, [difference(left, here, right, period), difference(above, here, below, period)])
+        };
+        let (x, dx) = axis(self.x, self.period[0]);
+        let (y, dy) = axis(self.y, self.period[1]);
+        query_at(x, y, Jacobian::new([dx, dy]))
+    }
+
+    fn check(&self, width: usize, height: usize) -> Result<()> {
+        let needed = (width * height - 1) * self.step + 1;
+        if self.x.len() < needed || self.y.len() < needed {
+            let got = format!("{} and {} numbers", self.x.len(), self.y.len());
+            return Err(Error::value("map", got, format!("a place for each of {width}x{height} pixels")));
+        }
+        Ok(())
+    }
+}
+
+impl Mapping<'_> {
+    /// The map of a 3x3 matrix: affine where its last row is (0, 0, c).
+    pub fn from_matrix(h: [[f64; 3]; 3]) -> Self {
+        let [[a, b, c], [d, e, f], [g, i, w]] = h;
+        if g == 0.0 && i == 0.0 && w != 0.0 {
+            Self::Affine([[a / w, b / w, c / w], [d / w, e / w, f / w]])
+        } else {
+            Self::Projective(h)
+        }
+    }
+
+    /// Checks that there is a place for each pixel and that matrices are finite.
+    pub(super) fn check(&self, width: usize, height: usize) -> Result<()> {
+        let finite = |rows: &[[f64; 3]]| {
+            if rows.iter().flatten().all(|v| v.is_finite()) {
+                Ok(())
+            } else {
+                Err(Error::value("matrix", format!("{rows:?}"), "finite numbers"))
+            }
+        };
+        match self {
+            Self::Affine(rows) => finite(rows),
+            Self::Projective(rows) => finite(rows),
+            Self::Single(maps) => maps.check(width, height),
+            Self::Double(maps) => maps.check(width, height),
+        }
+    }
+
+    /// Place and footprint of one output pixel.
+    pub(super) fn query(&self, column: usize, row: usize, width: usize, height: usize) -> Query {
+        let (x, y) = (column as f64, row as f64);
+        match self {
+            Self::Affine([[a, b, c], [d, e, f]]) => {
+                query_at(a * x + b * y + c, d * x + e * y + f, Jacobian::new([[*a, *b], [*d, *e]]))
+            }
+            Self::Projective([[a, b, c], [d, e, f], [g, h, i]]) => {
+                // The quotient rule: d(X/w) = (dX - (X/w) dw)/w.
+                let w = 1.0 / (g * x + h * y + i);
+                let (px, py) = ((a * x + b * y + c) * w, (d * x + e * y + f) * w);
+                let jacobian = [[(a - px * g) * w, (b - px * h) * w], [(d - py * g) * w, (e - py * h) * w]];
+                query_at(px, py, Jacobian::new(jacobian))
+            }
+            Self::Single(maps) => maps.query(column, row, width, height),
+            Self::Double(maps) => maps.query(column, row, width, height),
+        }
+    }
+
+    /// Whether any pixel covers more than one input pixel along some direction.
+    pub(super) fn minifies(&self, width: usize, height: usize) -> bool {
+        let beyond_one = |x: usize, y: usize| {
+            let query = self.query(x, y, width, height);
+            let sigma1 = query.jacobian_tx.axes().sigma1;
+            // Rounding of a pure rotation is not minification; places that are not finite read nothing.
+            (sigma1 > 1.0 + 1e-9 || sigma1.is_nan()) && query.s.is_finite() && query.t.is_finite()
+        };
+        match self {
+            Self::Affine(_) => beyond_one(0, 0),
+            _ => (0..height).any(|y| (0..width).any(|x| beyond_one(x, y))),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn perspective_derivatives_are_those_of_the_quotient() {
+        let map = Mapping::Projective([[2.0, 0.3, 5.0], [-0.2, 1.5, 3.0], [0.01, 0.02, 1.0]]);
+        let place = |x: f64, y: f64| {
+            let w = 0.01 * x + 0.02 * y + 1.0;
+            [(2.0 * x + 0.3 * y + 5.0) / w, (-0.2 * x + 1.5 * y + 3.0) / w]
+        };
+        for (x, y) in [(0usize, 0usize), (7, 3), (40, 90)] {
+            let (fx, fy, e) = (x as f64, y as f64, 1e-4);
+            let got = map.query(x, y, 100, 100);
+            assert!((got.s - 0.5 - place(fx, fy)[0]).abs() < 1e-12);
+            for i in 0..2 {
+                let dx = (place(fx + e, fy)[i] - place(fx - e, fy)[i]) / (2.0 * e);
+                let dy = (place(fx, fy + e)[i] - place(fx, fy - e)[i]) / (2.0 * e);
+                assert!(
+                    (got.jacobian_tx.m[i][0] - dx).abs() < 1e-7
+                        && (got.jacobian_tx.m[i][1] - dy).abs() < 1e-7
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn differences_ignore_cuts_and_periods() {
+        assert_eq!(difference(1.0, 2.0, 3.5, None), 1.25);
+        assert_eq!(difference(f64::NAN, 2.0, 3.5, None), 1.5);
+        assert_eq!(difference(f64::NAN, 2.0, f64::INFINITY, None), 0.0);
+        assert_eq!(difference(98.0, 99.0, 0.0, Some(100.0)), 1.0);
+        assert_eq!(difference(98.0, 99.0, 700.0, None), 1.0);
+    }
+}
