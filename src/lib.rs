@@ -27,6 +27,8 @@ pub mod sampler;
 
 pub mod warp;
 
+pub mod mapping;
+
 pub mod raster;
 
 #[cfg(feature = "python")]
