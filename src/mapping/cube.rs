@@ -42,7 +42,7 @@ impl Layout {
     ///
     /// # Errors
     /// [`Error::Value`] for any other name.
-    pub fn from_name(name: &str) -> Result<Self> {
+    pub fn parse(argument: &'static str, name: &str) -> Result<Self> {
         match name {
             "cross" => Ok(Self::Cross),
             "strip" => Ok(Self::Strip),

@@ -21,11 +21,11 @@ impl FisheyeModel {
     ///
     /// # Errors
     /// [`Error::Value`] for any other name.
-    pub fn from_name(name: &str) -> Result<Self> {
+    pub fn parse(argument: &'static str, name: &str) -> Result<Self> {
         match name {
             "equidistant" => Ok(Self::Equidistant),
             "equisolid" => Ok(Self::Equisolid),
-            _ => Err(Error::value("model", format!("{name:?}"), "\"equidistant\" or \"equisolid\"")),
+            _ => Err(Error::value(argument, format!("{name:?}"), "\"equidistant\" or \"equisolid\"")),
         }
     }
 }

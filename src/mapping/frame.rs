@@ -21,12 +21,12 @@ impl Axis {
     ///
     /// # Errors
     /// [`Error::Value`] for any other name.
-    pub fn from_name(name: &str) -> Result<Self> {
+    pub fn parse(argument: &'static str, name: &str) -> Result<Self> {
         match name {
             "x" => Ok(Self::X),
             "y" => Ok(Self::Y),
             "z" => Ok(Self::Z),
-            _ => Err(Error::value("axis", format!("{name:?}"), "\"x\", \"y\" or \"z\"")),
+            _ => Err(Error::value(argument, format!("{name:?}"), "\"x\", \"y\" or \"z\"")),
         }
     }
 
@@ -75,7 +75,7 @@ mod tests {
             let [a, b, c] = [DVec3::X, DVec3::Y, DVec3::Z].map(|e| axis.to_world(e));
             assert_eq!(a.cross(b), c);
         }
-        assert!(Axis::from_name("w").is_err());
+        assert!(Axis::parse("axis", "w").is_err());
     }
 
     #[test]

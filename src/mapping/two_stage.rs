@@ -229,7 +229,8 @@ fn slabs(o: DVec3, d: DVec3) -> Option<(f64, DVec3, Face)> {
     }
     let inside = o.abs().max_element() <= 1.0 + SKIN;
     let ((t, i), direction) = if inside { (leave, 1.0) } else { (enter, -1.0) };
-    if !inside && !(enter.0 >= 0.0 && enter.0 <= leave.0) {
+    let enters = enter.0 >= 0.0 && enter.0 <= leave.0;
+    if !inside && !enters {
         return None;
     }
     let mut normal = DVec3::ZERO;
