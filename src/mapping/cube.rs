@@ -48,7 +48,7 @@ impl Layout {
             "strip" => Ok(Self::Strip),
             "stacked" => Ok(Self::Stacked),
             _ => Err(Error::value(
-                "layout",
+                argument,
                 format!("{name:?}"),
                 "\"cross\", \"strip\", \"stacked\" or \"faces\"",
             )),
