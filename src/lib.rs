@@ -14,6 +14,7 @@ pub mod encode;
 pub mod files;
 pub mod image;
 pub mod pyramid;
+pub mod sat;
 pub mod texel;
 pub mod wrap;
 

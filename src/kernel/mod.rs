@@ -3,6 +3,7 @@
 //! One run-time dispatch picks the instruction set; the scalar twin of each kernel defines its result, bit for bit.
 
 pub mod plane;
+pub mod prefix;
 pub mod remap;
 
 use crate::error::{Error, Result};

@@ -6,6 +6,7 @@ pub mod convert;
 mod errors;
 mod files;
 mod pyramid;
+mod sat;
 mod texture;
 mod threads;
 mod warp;
@@ -16,6 +17,7 @@ fn _multum(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     files::register(module)?;
     pyramid::register(module)?;
+    sat::register(module)?;
     texture::register(module)?;
     threads::register(module)?;
     warp::register(module)?;
