@@ -30,6 +30,7 @@ pub mod warp;
 
 pub mod mapping;
 
+pub mod mesh;
 pub mod raster;
 
 #[cfg(feature = "python")]

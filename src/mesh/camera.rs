@@ -1,0 +1,149 @@
+//! Cameras: where the eye is and what it sees, as matrices of GL.
+
+use super::Mesh;
+
+/// How a camera projects. Distances are along its axis, from the eye.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Everything meets in the eye.
+    Perspective {
+        /// Angle of view from bottom to top, in radians.
+        yfov_rad: f64,
+        /// Nearest distance seen.
+        near: f64,
+        /// Farthest distance seen; infinity for no limit.
+        far: f64,
+    },
+    /// Parallel.
+    Orthographic {
+        /// Half the height seen.
+        half_height: f64,
+        /// Nearest distance seen.
+        near: f64,
+        /// Farthest distance seen.
+        far: f64,
+    },
+}
+
+/// A camera. It looks along its own -z; its y is up in the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// Name in the file.
+    pub name: String,
+    /// World space to the camera's own space, row by row.
+    pub view: [[f64; 4]; 4],
+    /// How it projects.
+    pub projection: Projection,
+    /// Whether the angle of view (or the half height) holds for the picture's shorter side, rather than for
+    /// its height.
+    pub fits_shorter_side: bool,
+}
+
+type Vec3 = [f64; 3];
+
+fn minus(a: Vec3, b: Vec3) -> Vec3 {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+fn dot(a: Vec3, b: Vec3) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn cross(a: Vec3, b: Vec3) -> Vec3 {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn unit(v: Vec3) -> Option<Vec3> {
+    let length = dot(v, v).sqrt();
+    (length > 0.0 && length.is_finite()).then(|| v.map(|c| c / length))
+}
+
+fn product(a: [[f64; 4]; 4], b: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..4).map(|k| a[i][k] * b[k][j]).sum()))
+}
+
+impl Camera {
+    /// A camera at `eye` that looks at `target` with `up` upwards in the picture; where these leave the
+    /// direction open, along -z with y up.
+    pub fn look_at(eye: Vec3, target: Vec3, up: Vec3, projection: Projection) -> Self {
+        let back = unit(minus(eye, target)).unwrap_or([0.0, 0.0, 1.0]);
+        let right = [up, [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]].into_iter().find_map(|up| unit(cross(up, back)));
+        let right = right.unwrap_or([1.0, 0.0, 0.0]);
+        let axes = [right, cross(back, right), back];
+        let mut view = [[0.0, 0.0, 0.0, 1.0]; 4];
+        for (row, axis) in view.iter_mut().zip(axes) {
+            *row = [axis[0], axis[1], axis[2], -dot(axis, eye)];
+        }
+        Self { name: String::new(), view, projection, fits_shorter_side: false }
+    }
+
+    /// A camera that sees the whole mesh in a picture of any aspect: from the front (+z), a little from the
+    /// right and above, with an angle of view of 45 degrees.
+    ///
+    /// A mesh without faces gives a camera at (0, 0, 3) that looks at the origin.
+    pub fn framing(mesh: &Mesh) -> Self {
+        let yfov_rad = std::f64::consts::FRAC_PI_4;
+        let [lo, hi] = mesh.bounds().map_or([[-1.0; 3], [1.0; 3]], |b| b.map(|p| p.map(f64::from)));
+        let centre: Vec3 = std::array::from_fn(|k| 0.5 * (lo[k] + hi[k]));
+        let distances = mesh.faces.iter().flatten().map(|&v| {
+            let d = minus(mesh.positions[v as usize].map(f64::from), centre);
+            dot(d, d)
+        });
+        let radius = distances.fold(0.0, f64::max).sqrt();
+        let radius = if mesh.faces.is_empty() || radius <= 0.0 { 1.0 } else { radius };
+        let distance = radius / (yfov_rad / 2.0).sin();
+        let toward = if mesh.faces.is_empty() { [0.0, 0.0, 1.0] } else { [0.4, 0.25, 1.0] };
+        let toward = unit(toward).unwrap_or([0.0, 0.0, 1.0]);
+        let eye = std::array::from_fn(|k| centre[k] + distance * toward[k]);
+        let projection = Projection::Perspective {
+            yfov_rad,
+            near: (distance - radius) * 0.5,
+            far: (distance + radius) * 1.5,
+        };
+        let camera = Self::look_at(eye, centre, [0.0, 1.0, 0.0], projection);
+        Self { fits_shorter_side: true, ..camera }
+    }
+
+    /// World space to clip space, row by row, for a picture of this size: GL's frustum and box matrices.
+    pub fn matrix(&self, width: usize, height: usize) -> [[f64; 4]; 4] {
+        let aspect = width.max(1) as f64 / height.max(1) as f64;
+        let by_height = aspect >= 1.0 || !self.fits_shorter_side;
+        let (wide, high) = if by_height { (aspect, 1.0) } else { (1.0, 1.0 / aspect) };
+        let projection = match self.projection {
+            Projection::Perspective { yfov_rad, near, far } => {
+                let s = 1.0 / (yfov_rad / 2.0).tan();
+                let (a, b) = if far.is_finite() {
+                    ((far + near) / (near - far), 2.0 * far * near / (near - far))
+                } else {
+                    (-1.0, -2.0 * near)
+                };
+                [
+                    [s / wide, 0.0, 0.0, 0.0],
+                    [0.0, s / high, 0.0, 0.0],
+                    [0.0, 0.0, a, b],
+                    [0.0, 0.0, -1.0, 0.0],
+                ]
+            }
+            Projection::Orthographic { half_height, near, far } => {
+                let s = 1.0 / half_height;
+                let (a, b) = (2.0 / (near - far), (far + near) / (near - far));
+                [[s / wide, 0.0, 0.0, 0.0], [0.0, s / high, 0.0, 0.0], [0.0, 0.0, a, b], [0.0, 0.0, 0.0, 1.0]]
+            }
+        };
+        product(projection, self.view)
+    }
+
+    /// Clip-space positions of points in a picture of this size.
+    pub fn project(&self, positions: &[[f32; 3]], width: usize, height: usize) -> Vec<[f64; 4]> {
+        let m = self.matrix(width, height);
+        let row = |r: [f64; 4], [x, y, z]: [f64; 3]| r[0] * x + r[1] * y + r[2] * z + r[3];
+        positions.iter().map(|p| m.map(|r| row(r, p.map(f64::from)))).collect()
+    }
+
+    /// Where the eye is.
+    pub fn eye(&self) -> [f64; 3] {
+        // The view's upper left part is a rotation: its inverse is its transpose.
+        let v = &self.view;
+        std::array::from_fn(|k| -(v[0][k] * v[0][3] + v[1][k] * v[1][3] + v[2][k] * v[2][3]))
+    }
+}

@@ -1,0 +1,161 @@
+//! What faces look like: numbers and the textures that replace or multiply them.
+
+use crate::encode::Encoding;
+use crate::wrap::Wrap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// How alpha is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum AlphaMode {
+    /// Alpha is ignored.
+    #[default]
+    Opaque,
+    /// Shown where alpha is at least the cut-off, else not at all.
+    Mask(f32),
+    /// Blended over what lies behind.
+    Blend,
+}
+
+/// A filter that a file asks for, in the names of the samplers of this crate.
+pub type SampleFilter = &'static str;
+
+/// A texture of a material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextureSlot {
+    /// Index into [`Mesh::images`](super::Mesh::images).
+    pub image: usize,
+    /// Which uv set.
+    pub uv_set: usize,
+    /// Rows (a, b, c) and (d, e, f): the texture is read at (a u + b v + c, d u + e v + f).
+    pub transform: [[f32; 3]; 2],
+    /// Wrap modes of u and v.
+    pub wrap: [Wrap; 2],
+    /// Filter for enlargement, where the file names one.
+    pub mag_filter: Option<SampleFilter>,
+    /// Filter for reduction, where the file names one.
+    pub min_filter: Option<SampleFilter>,
+    /// What the codes mean in this slot: colours are sRGB, everything else is linear.
+    pub encoding: Encoding,
+}
+
+impl TextureSlot {
+    /// The uv transform that changes nothing.
+    pub const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+}
+
+/// A material: the metallic-roughness model of glTF and the Phong model of MTL side by side, each number
+/// with the texture that multiplies it. What a format does not have keeps its default.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Name in the file.
+    pub name: String,
+    /// Linear colour and alpha (MTL: Kd and d).
+    pub base_color: [f32; 4],
+    /// Multiplies `base_color` (MTL: `map_Kd`).
+    pub base_color_texture: Option<TextureSlot>,
+    /// Multiplies alpha with its first channel (MTL: `map_d`).
+    pub alpha_texture: Option<TextureSlot>,
+    /// 0 for dielectrics, 1 for metals.
+    pub metallic: f32,
+    /// 0 for mirrors, 1 for chalk.
+    pub roughness: f32,
+    /// Green multiplies roughness, blue metallic.
+    pub metallic_roughness_texture: Option<TextureSlot>,
+    /// Normals in tangent space.
+    pub normal_texture: Option<TextureSlot>,
+    /// Multiplies x and y of the normals read.
+    pub normal_scale: f32,
+    /// Heights (MTL: `map_Bump`).
+    pub bump_texture: Option<TextureSlot>,
+    /// Scale of the heights (MTL: `-bm`).
+    pub bump_scale: f32,
+    /// Red tells how much ambient light arrives.
+    pub occlusion_texture: Option<TextureSlot>,
+    /// How much of the occlusion is applied.
+    pub occlusion_strength: f32,
+    /// Linear light that the surface sends out itself.
+    pub emissive: [f32; 3],
+    /// Multiplies `emissive`.
+    pub emissive_texture: Option<TextureSlot>,
+    /// Ambient reflection (MTL: Ka).
+    pub ambient: [f32; 3],
+    /// Specular reflection (MTL: Ks).
+    pub specular: [f32; 3],
+    /// Multiplies `specular` (MTL: `map_Ks`).
+    pub specular_texture: Option<TextureSlot>,
+    /// Phong exponent (MTL: Ns).
+    pub shininess: f32,
+    /// Multiplies `shininess` (MTL: `map_Ns`).
+    pub shininess_texture: Option<TextureSlot>,
+    /// How alpha is used.
+    pub alpha_mode: AlphaMode,
+    /// Whether backs are shown too.
+    pub double_sided: bool,
+    /// Whether light is ignored and `base_color` shown as it is.
+    pub unlit: bool,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_color: [1.0; 4],
+            base_color_texture: None,
+            alpha_texture: None,
+            metallic: 0.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            bump_texture: None,
+            bump_scale: 1.0,
+            occlusion_texture: None,
+            occlusion_strength: 1.0,
+            emissive: [0.0; 3],
+            emissive_texture: None,
+            ambient: [1.0; 3],
+            specular: [0.0; 3],
+            specular_texture: None,
+            shininess: 1.0,
+            shininess_texture: None,
+            alpha_mode: AlphaMode::Opaque,
+            double_sided: false,
+            unlit: false,
+        }
+    }
+}
+
+impl Material {
+    /// The textures that are there, with the names of their slots.
+    pub fn slots(&self) -> Vec<(&'static str, &TextureSlot)> {
+        let all = [
+            ("base_color_texture", &self.base_color_texture),
+            ("alpha_texture", &self.alpha_texture),
+            ("metallic_roughness_texture", &self.metallic_roughness_texture),
+            ("normal_texture", &self.normal_texture),
+            ("bump_texture", &self.bump_texture),
+            ("occlusion_texture", &self.occlusion_texture),
+            ("emissive_texture", &self.emissive_texture),
+            ("specular_texture", &self.specular_texture),
+            ("shininess_texture", &self.shininess_texture),
+        ];
+        all.into_iter().filter_map(|(name, slot)| slot.as_ref().map(|slot| (name, slot))).collect()
+    }
+}
+
+/// Where a picture's bytes are; it is read when it is first needed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ImageSource {
+    /// In a file of its own, in or below the mesh's folder.
+    File(PathBuf),
+    /// In the mesh's file, still encoded (PNG, JPEG).
+    Embedded {
+        /// Name in the file.
+        name: String,
+        /// The encoded picture.
+        bytes: Arc<[u8]>,
+    },
+    /// Named by a file but in no form that is read here; the reason.
+    Missing(String),
+}
