@@ -1,11 +1,13 @@
 """The compiled part."""
 
+from collections.abc import Sequence
 from typing import Any, Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __version__: str
+Matrix = Sequence[Sequence[float]]
 
 def build_pyramid(
     image: ArrayLike,
@@ -88,24 +90,21 @@ class Warping:
         alpha: str,
     ) -> Self: ...
 
+@final
+class Places:
+    def __new__(
+        cls,
+        matrix: Matrix | None,
+        map_x: NDArray[Any] | None,
+        map_y: NDArray[Any] | None,
+        period: tuple[float | None, float | None],
+    ) -> Self: ...
+
 def warp_image(
-    image: NDArray[Any],
-    matrix: list[list[float]] | None,
-    map_x: NDArray[Any] | None,
-    map_y: NDArray[Any] | None,
-    period: tuple[float | None, float | None],
-    shape: tuple[int, int],
-    warping: Warping,
-    out: NDArray[Any] | None,
+    image: NDArray[Any], places: Places, shape: tuple[int, int], warping: Warping, out: NDArray[Any] | None
 ) -> NDArray[Any]: ...
 def warp_coverage(
-    image_shape: tuple[int, int],
-    matrix: list[list[float]] | None,
-    map_x: NDArray[Any] | None,
-    map_y: NDArray[Any] | None,
-    period: tuple[float | None, float | None],
-    shape: tuple[int, int],
-    warping: Warping,
+    image_shape: tuple[int, int], places: Places, shape: tuple[int, int], warping: Warping
 ) -> NDArray[np.float32]: ...
 def set_num_threads(threads: int) -> None: ...
 def get_num_threads() -> int: ...

@@ -125,29 +125,33 @@ def warp(
         height, width = size_pair("shape", pixels.shape[:2] if shape is None else shape)
         grid = np.empty((height, width, 2))
         grid[..., 0], grid[..., 1] = np.arange(width), np.arange(height)[:, None]
-        places = np.asarray(mapping(grid.reshape(-1, 2)))
-        if places.shape != (height * width, 2):
+        array = np.asarray(mapping(grid.reshape(-1, 2)))
+        if array.shape != (height * width, 2):
             raise ValueError(
-                f"mapping: got shape {places.shape} from the callable, expected {(height * width, 2)}"
+                f"mapping: got shape {array.shape} from the callable, expected {(height * width, 2)}"
             )
-        array = places.reshape(height, width, 2)
+        array = array.reshape(height, width, 2)
     else:
         array = np.asarray(mapping)
     options = _options(pixels, filter, wrap, border, tolerance, encoding, alpha, max_anisotropy, threads)
-    if array.ndim == 2 and array.shape in ((2, 3), (3, 3)):
+    if array.ndim == 2 and array.shape[0] in (2, 3) and array.shape[1] == 3:
         if not np.issubdtype(array.dtype, np.number) or np.iscomplexobj(array):
             raise TypeError(f"mapping: got dtype {array.dtype}, expected a matrix of real numbers")
-        rows: list[list[float]] = array.astype(np.float64).tolist()
-        matrix = rows if len(rows) == 3 else [*rows, [0.0, 0.0, 1.0]]
-        given = size_pair("shape", pixels.shape[:2] if shape is None else shape)
-        return _run(pixels, matrix, None, None, given, options, wrap, coverage, out)
-    if array.ndim != 3 or array.shape[2] != 2:
+        matrix: _multum.Matrix = np.vstack([array, [[0, 0, 1]]])[:3].astype(np.float64).tolist()
+        places = _multum.Places(matrix, None, None, _period(pixels, wrap))
+        size = size_pair("shape", pixels.shape[:2] if shape is None else shape)
+    elif array.ndim == 3 and array.shape[2] == 2:
+        places = _multum.Places(None, array, None, _period(pixels, wrap))
+        size = size_pair("shape", array.shape[:2] if shape is None else shape)
+        if size != array.shape[:2]:
+            raise ValueError(f"shape: got {size}, expected that of the map, {array.shape[:2]}")
+    else:
         expected = "a matrix (2, 3) or (3, 3), a map (H, W, 2) or a callable"
         raise ValueError(f"mapping: got shape {array.shape}, expected {expected}")
-    given = size_pair("shape", array.shape[:2] if shape is None else shape)
-    if given != array.shape[:2]:
-        raise ValueError(f"shape: got {given}, expected that of the map, {array.shape[:2]}")
-    return _run(pixels, None, array, None, given, options, wrap, coverage, out)
+    made = _multum.warp_image(pixels, places, size, options, out)
+    if not coverage:
+        return made
+    return made, _multum.warp_coverage((pixels.shape[0], pixels.shape[1]), places, size, options)
 
 
 def remap(
@@ -200,7 +204,8 @@ def remap(
     if xs.dtype != ys.dtype:
         xs, ys = xs.astype(np.float64), ys.astype(np.float64)
     options = _options(pixels, filter, wrap, border, tolerance, encoding, alpha, max_anisotropy, threads)
-    return _run(pixels, None, xs, ys, (xs.shape[0], xs.shape[1]), options, wrap, False, out)
+    places = _multum.Places(None, xs, ys, _period(pixels, wrap))
+    return _multum.warp_image(pixels, places, (xs.shape[0], xs.shape[1]), options, out)
 
 
 def resize(
@@ -248,8 +253,10 @@ def resize(
     height, width = size_pair("shape", shape)
     options = _options(pixels, filter, wrap, border, tolerance, encoding, alpha, max_anisotropy, threads)
     sy, sx = (n / m for n, m in zip(pixels.shape[:2], (height, width), strict=True))
-    matrix = [[sx, 0.0, 0.5 * sx - 0.5], [0.0, sy, 0.5 * sy - 0.5], [0.0, 0.0, 1.0]]
-    return _run(pixels, matrix, None, None, (height, width), options, wrap, False, out)
+    matrix = ([sx, 0.0, 0.5 * sx - 0.5], [0.0, sy, 0.5 * sy - 0.5], [0.0, 0.0, 1.0])
+    return _multum.warp_image(
+        pixels, _multum.Places(matrix, None, None, (None, None)), (height, width), options, out
+    )
 
 
 def _options(
@@ -272,26 +279,10 @@ def _options(
     return _multum.Warping(sampling, wrap_pair(wrap), numbers("border", border, channels), encoding, alpha)
 
 
-def _run(
-    pixels: NDArray[Any],
-    matrix: list[list[float]] | None,
-    map_x: NDArray[Any] | None,
-    map_y: NDArray[Any] | None,
-    shape: tuple[int, int],
-    options: _multum.Warping,
-    wrap: str | Sequence[str],
-    coverage: bool,
-    out: NDArray[Any] | None,
-) -> Any:
-    """The warped image, or the pair of it and its coverage."""
-    # Along a repeating axis a step of nearly a whole period is a small step.
+def _period(pixels: NDArray[Any], wrap: str | Sequence[str]) -> tuple[float | None, float | None]:
+    """Along a repeating axis a step of nearly a whole period is a small step."""
     u, v = wrap_pair(wrap)
-    period = (
+    return (
         float(pixels.shape[1]) if u == "repeat" else None,
         float(pixels.shape[0]) if v == "repeat" else None,
     )
-    made = _multum.warp_image(pixels, matrix, map_x, map_y, period, shape, options, out)
-    if not coverage:
-        return made
-    size = (pixels.shape[0], pixels.shape[1])
-    return made, _multum.warp_coverage(size, matrix, map_x, map_y, period, shape, options)

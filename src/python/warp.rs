@@ -3,17 +3,12 @@
 use super::convert::{FloatArray, Floats, ImageArg, array, output, work};
 use super::texture::Sampling;
 use crate::encode::{Alpha, Encoding};
-use crate::error::{Error, Result};
-use crate::image::{AnyView, Element, Image, Pixels};
+use crate::error::Error;
+use crate::image::{AnyView, Element, Pixels};
+use crate::texel::f16;
 use crate::warp::{self, Mapping, Maps, WarpOptions};
 use crate::wrap::Wrap;
 use pyo3::prelude::*;
-
-/// One array of pairs, or two arrays, of places.
-enum MapArg<'py> {
-    Pairs(FloatArray<'py>),
-    Two(FloatArray<'py>, FloatArray<'py>),
-}
 
 /// All options of a warp but the mapping, checked.
 #[pyclass(frozen, module = "multum._multum")]
@@ -43,161 +38,137 @@ impl Warping {
     }
 }
 
-type Period = (Option<f64>, Option<f64>);
-
-/// Calls `job` with the mapping that the arguments hold.
-fn with_mapping<R>(
+/// Where each output pixel lies: a matrix, an array of pairs, or two arrays.
+#[pyclass(frozen, module = "multum._multum")]
+pub struct Places {
     matrix: Option<[[f64; 3]; 3]>,
-    maps: Option<&MapArg<'_>>,
-    period: Period,
-    job: impl FnOnce(Mapping<'_>) -> R,
-) -> Result<R> {
-    let period = [period.0, period.1];
-    let mixed = || Error::type_("map_y", "another dtype than map_x", "the same dtype");
-    Ok(match (matrix, maps) {
-        (Some(matrix), _) => job(Mapping::from_matrix(matrix)),
-        (None, Some(MapArg::Pairs(pairs))) => match pairs.floats()? {
-            Floats::F32(xy) => job(Mapping::Single(Maps::pairs(xy, period))),
-            Floats::F64(xy) => job(Mapping::Double(Maps::pairs(xy, period))),
-        },
-        (None, Some(MapArg::Two(x, y))) => match (x.floats()?, y.floats()?) {
-            (Floats::F32(x), Floats::F32(y)) => job(Mapping::Single(Maps { x, y, step: 1, period })),
-            (Floats::F64(x), Floats::F64(y)) => job(Mapping::Double(Maps { x, y, step: 1, period })),
-            _ => return Err(mixed()),
-        },
-        (None, None) => return Err(Error::type_("mapping", "None", "a matrix, a map or a callable")),
-    })
+    map_x: Option<Py<PyAny>>,
+    map_y: Option<Py<PyAny>>,
+    period: [Option<f64>; 2],
 }
 
-fn map_arg<'py>(
-    x: Option<&Bound<'py, PyAny>>,
-    y: Option<&Bound<'py, PyAny>>,
-) -> PyResult<Option<MapArg<'py>>> {
-    Ok(match (x, y) {
-        (Some(x), Some(y)) => {
-            let (x, y) =
-                (FloatArray::new("map_x", x, &[], "(H, W)")?, FloatArray::new("map_y", y, &[], "(H, W)")?);
-            if x.shape() != y.shape() {
-                return Err(Error::value(
-                    "map_y",
-                    format!("shape {:?}", y.shape()),
-                    format!("{:?}", x.shape()),
-                )
-                .into());
-            }
-            Some(MapArg::Two(x, y))
+#[pymethods]
+impl Places {
+    #[new]
+    #[pyo3(signature = (matrix, map_x, map_y, period))]
+    fn new(
+        matrix: Option<[[f64; 3]; 3]>,
+        map_x: Option<Py<PyAny>>,
+        map_y: Option<Py<PyAny>>,
+        period: (Option<f64>, Option<f64>),
+    ) -> Self {
+        Self { matrix, map_x, map_y, period: [period.0, period.1] }
+    }
+}
+
+impl Places {
+    /// Calls `job` with the mapping, its arrays borrowed.
+    fn with<R>(&self, py: Python<'_>, job: impl FnOnce(Mapping<'_>) -> PyResult<R>) -> PyResult<R> {
+        let period = self.period;
+        let array = |argument, value: &Option<Py<PyAny>>, trailing: &[usize], name| {
+            value.as_ref().map(|v| FloatArray::new(argument, v.bind(py), trailing, name)).transpose()
+        };
+        if let Some(matrix) = self.matrix {
+            return job(Mapping::from_matrix(matrix));
         }
-        (Some(xy), None) => Some(MapArg::Pairs(FloatArray::new("mapping", xy, &[2], "(H, W, 2)")?)),
-        _ => None,
-    })
+        if self.map_y.is_none() {
+            let Some(pairs) = array("mapping", &self.map_x, &[2], "(H, W, 2)")? else {
+                return Err(Error::type_("mapping", "None", "a matrix, a map or a callable").into());
+            };
+            return match pairs.floats()? {
+                Floats::F32(xy) => job(Mapping::Single(Maps::pairs(xy, period))),
+                Floats::F64(xy) => job(Mapping::Double(Maps::pairs(xy, period))),
+            };
+        }
+        let (x, y) =
+            (array("map_x", &self.map_x, &[], "(H, W)")?, array("map_y", &self.map_y, &[], "(H, W)")?);
+        let (Some(x), Some(y)) = (x, y) else {
+            return Err(Error::type_("map_x", "None", "an array").into());
+        };
+        if x.shape() != y.shape() {
+            return Err(
+                Error::value("map_y", format!("shape {:?}", y.shape()), format!("{:?}", x.shape())).into()
+            );
+        }
+        match (x.floats()?, y.floats()?) {
+            (Floats::F32(x), Floats::F32(y)) => job(Mapping::Single(Maps { x, y, step: 1, period })),
+            (Floats::F64(x), Floats::F64(y)) => job(Mapping::Double(Maps { x, y, step: 1, period })),
+            _ => Err(Error::type_("map_y", "another dtype than map_x", "the same dtype").into()),
+        }
+    }
 }
 
 /// The warped image.
 #[pyfunction]
-#[allow(clippy::too_many_arguments, reason = "one for each argument of the Python functions")]
-#[pyo3(signature = (image, matrix, map_x, map_y, period, shape, warping, out))]
+#[pyo3(signature = (image, places, shape, warping, out))]
 fn warp_image<'py>(
     py: Python<'py>,
     image: &Bound<'py, PyAny>,
-    matrix: Option<[[f64; 3]; 3]>,
-    map_x: Option<&Bound<'py, PyAny>>,
-    map_y: Option<&Bound<'py, PyAny>>,
-    period: Period,
+    places: &Places,
     shape: (usize, usize),
     warping: &Warping,
     out: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let image = ImageArg::new("image", image)?;
-    let maps = map_arg(map_x, map_y)?;
-    let call = Call {
-        image: image.view()?,
-        matrix,
-        maps: maps.as_ref(),
-        period,
-        shape,
-        warping,
-        flat: image.is_flat,
-    };
-    match call.image {
-        AnyView::U8(_) => call.run::<u8>(py, out),
-        AnyView::U16(_) => call.run::<u16>(py, out),
-        AnyView::F16(_) => call.run::<crate::texel::f16>(py, out),
-        AnyView::F32(_) => call.run::<f32>(py, out),
-        AnyView::F64(_) => call.run::<f64>(py, out),
+    let (view, flat) = (image.view()?, image.is_flat);
+    match view {
+        AnyView::U8(_) => warp_typed::<u8>(py, view, flat, places, shape, warping, out),
+        AnyView::U16(_) => warp_typed::<u16>(py, view, flat, places, shape, warping, out),
+        AnyView::F16(_) => warp_typed::<f16>(py, view, flat, places, shape, warping, out),
+        AnyView::F32(_) => warp_typed::<f32>(py, view, flat, places, shape, warping, out),
+        AnyView::F64(_) => warp_typed::<f64>(py, view, flat, places, shape, warping, out),
     }
 }
 
-struct Call<'a> {
-    image: AnyView<'a>,
-    matrix: Option<[[f64; 3]; 3]>,
-    maps: Option<&'a MapArg<'a>>,
-    period: Period,
-    shape: (usize, usize),
-    warping: &'a Warping,
+fn warp_typed<'py, T: Element + numpy::Element>(
+    py: Python<'py>,
+    image: AnyView<'_>,
     flat: bool,
-}
-
-impl Call<'_> {
-    fn run<'py, T: Element + numpy::Element>(
-        &self,
-        py: Python<'py>,
-        out: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let (height, width) = self.shape;
-        let channels = self.image.channels();
-        crate::image::check_size("shape", width, height, channels)?;
-        let full = [height, width, channels];
-        let shape = if self.flat { &full[..2] } else { &full[..] };
-        let job = |slice: &mut [T]| {
-            let (image, options) = (self.image, &self.warping.options);
-            with_mapping(self.matrix, self.maps, self.period, |mapping| {
-                work(py, self.warping.threads, || {
-                    warp::warp_into(image, &mapping, width, height, options, slice)
-                })
-            })
-        };
-        match out {
-            Some(given) => {
-                let mut borrowed = output::<T>("out", given, shape, T::DTYPE.name())?;
-                let slice =
-                    borrowed.as_slice_mut().map_err(|e| Error::value("out", e, "C-contiguous memory"))?;
-                job(slice)??;
-                Ok(given.clone())
-            }
-            None => {
-                let mut made = vec![T::default(); full.iter().product()];
-                job(&mut made)??;
-                array(py, made, shape)
-            }
+    places: &Places,
+    (height, width): (usize, usize),
+    warping: &Warping,
+    out: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let channels = image.channels();
+    crate::image::check_size("shape", width, height, channels)?;
+    let full = [height, width, channels];
+    let shape = if flat { &full[..2] } else { &full[..] };
+    let job = |slice: &mut [T]| {
+        let options = &warping.options;
+        places.with(py, |mapping| {
+            work(py, warping.threads, || warp::warp_into(image, &mapping, width, height, options, slice))
+        })
+    };
+    match out {
+        Some(given) => {
+            let mut borrowed = output::<T>("out", given, shape, T::DTYPE.name())?;
+            let slice = borrowed.as_slice_mut().map_err(|e| Error::value("out", e, "C-contiguous memory"))?;
+            job(slice)?;
+            Ok(given.clone())
+        }
+        None => {
+            let mut made = vec![T::default(); full.iter().product()];
+            job(&mut made)?;
+            array(py, made, shape)
         }
     }
 }
 
 /// The share of each output pixel inside an image of this shape.
 #[pyfunction]
-#[pyo3(signature = (image_shape, matrix, map_x, map_y, period, shape, warping))]
-#[allow(clippy::too_many_arguments, reason = "one for each argument of the Python functions")]
 fn warp_coverage<'py>(
     py: Python<'py>,
     image_shape: (usize, usize),
-    matrix: Option<[[f64; 3]; 3]>,
-    map_x: Option<&Bound<'py, PyAny>>,
-    map_y: Option<&Bound<'py, PyAny>>,
-    period: Period,
+    places: &Places,
     shape: (usize, usize),
     warping: &Warping,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let maps = map_arg(map_x, map_y)?;
     let size = [image_shape.1, image_shape.0];
-    let made = with_mapping(matrix, maps.as_ref(), period, |mapping| {
+    let made = places.with(py, |mapping| {
         work(py, warping.threads, || warp::coverage(size, &mapping, shape.1, shape.0, &warping.options))
-    })??;
-    singles(py, made, &[shape.0, shape.1])
-}
-
-fn singles<'py>(py: Python<'py>, image: Image, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
-    match image.into_pixels() {
-        Pixels::F32(data) => array(py, data, shape),
+    })?;
+    match made.into_pixels() {
+        Pixels::F32(data) => array(py, data, &[shape.0, shape.1]),
         other => Err(Error::type_("coverage", format!("{other:?}"), "single floats").into()),
     }
 }
@@ -205,6 +176,7 @@ fn singles<'py>(py: Python<'py>, image: Image, shape: &[usize]) -> PyResult<Boun
 /// Adds this topic to the module.
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Warping>()?;
+    module.add_class::<Places>()?;
     module.add_function(wrap_pyfunction!(warp_image, module)?)?;
     module.add_function(wrap_pyfunction!(warp_coverage, module)?)
 }
