@@ -7,6 +7,7 @@ mod errors;
 mod files;
 mod pyramid;
 mod sat;
+mod remap;
 mod texture;
 mod threads;
 mod warp;
@@ -18,6 +19,7 @@ fn _multum(module: &Bound<'_, PyModule>) -> PyResult<()> {
     files::register(module)?;
     pyramid::register(module)?;
     sat::register(module)?;
+    remap::register(module)?;
     texture::register(module)?;
     threads::register(module)?;
     warp::register(module)?;

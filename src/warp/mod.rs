@@ -14,6 +14,7 @@ use crate::texture::{Texture, TextureOptions};
 use crate::wrap::Wrap;
 
 mod mapping;
+pub mod remap;
 
 pub use mapping::{Mapping, Maps};
 

@@ -168,6 +168,16 @@ impl<'a, T> Job<'a, T> {
         }
         Ok(Self { source, edges, border, outside, interpolation })
     }
+
+    /// Channels of source and output.
+    pub fn channels(&self) -> usize {
+        self.source.channels
+    }
+
+    /// The way of interpolation.
+    pub fn interpolation(&self) -> Interpolation {
+        self.interpolation
+    }
 }
 
 /// Whole pixels and fractions of positions: `x + fx`, `y + fy`. A position that is not finite has

@@ -15,29 +15,41 @@ pub(super) fn run<T: Sample>(job: &Job<'_, T>, split: &Split<'_, T::Acc>, out: &
     }
 }
 
+/// Runs the body for every pixel of a run.
+macro_rules! each {
+    ($split:ident, $out:ident, $channels:ident, |$at:ident, $f:ident, $pixel:ident| $body:expr) => {
+        let whole = $split.x.iter().zip($split.y);
+        let rest = $split.fx.iter().zip($split.fy);
+        for (((&x, &y), (&fx, &fy)), $pixel) in whole.zip(rest).zip($out.chunks_exact_mut($channels)) {
+            let ($at, $f) = ([x, y], [fx, fy]);
+            $body;
+        }
+    };
+}
+
 /// `C` channels, or any number where `C` is 0.
 #[inline(always)]
 fn counted<T: Sample, const C: usize>(job: &Job<'_, T>, split: &Split<'_, T::Acc>, out: &mut [T]) {
     let channels = if C == 0 { job.source.channels } else { C };
     match job.interpolation {
         Interpolation::Nearest => {
-            each(split, out, channels, |x, y, _, _, out| nearest(job, channels, x, y, out))
+            each!(split, out, channels, |at, _f, pixel| nearest(job, channels, at, pixel));
         }
         Interpolation::Bilinear => {
-            each(split, out, channels, |x, y, fx, fy, out| bilinear(job, channels, [x, y], [fx, fy], out));
+            each!(split, out, channels, |at, f, pixel| bilinear(job, channels, at, f, pixel));
         }
         Interpolation::Bicubic(a) => {
             let a = T::Acc::of(f64::from(a));
-            each(split, out, channels, |x, y, fx, fy, out| {
-                let weights = [weights::cubic(a, fx), weights::cubic(a, fy)];
-                separable(job, channels, [x, y], weights, out);
+            each!(split, out, channels, |at, f, pixel| {
+                let weights = [weights::cubic(a, f[0]), weights::cubic(a, f[1])];
+                separable(job, channels, at, weights, pixel);
             });
         }
         Interpolation::Lanczos4 => {
             let table = lanczos_table::<T::Acc>();
-            each(split, out, channels, |x, y, fx, fy, out| {
-                let weights = [weights::look_up(table, fx), weights::look_up(table, fy)];
-                separable(job, channels, [x, y], weights, out);
+            each!(split, out, channels, |at, f, pixel| {
+                let weights = [weights::look_up(table, f[0]), weights::look_up(table, f[1])];
+                separable(job, channels, at, weights, pixel);
             });
         }
     }
@@ -51,20 +63,6 @@ pub(super) fn lanczos_table<A: Real>() -> &'static weights::Table<A> {
     found.expect("a Real is f32 or f64")
 }
 
-#[inline(always)]
-fn each<T: Copy, A: Copy>(
-    split: &Split<'_, A>,
-    out: &mut [T],
-    channels: usize,
-    mut pixel: impl FnMut(i32, i32, A, A, &mut [T]),
-) {
-    let whole = split.x.iter().zip(split.y);
-    let rest = split.fx.iter().zip(split.fy);
-    for (((&x, &y), (&fx, &fy)), out) in whole.zip(rest).zip(out.chunks_exact_mut(channels)) {
-        pixel(x, y, fx, fy, out);
-    }
-}
-
 /// A position that is not finite: border colour, or nothing.
 #[cold]
 fn nowhere<T: Sample>(job: &Job<'_, T>, out: &mut [T]) {
@@ -74,7 +72,7 @@ fn nowhere<T: Sample>(job: &Job<'_, T>, out: &mut [T]) {
 }
 
 #[inline(always)]
-fn nearest<T: Sample>(job: &Job<'_, T>, channels: usize, x: i32, y: i32, out: &mut [T]) {
+fn nearest<T: Sample>(job: &Job<'_, T>, channels: usize, [x, y]: [i32; 2], out: &mut [T]) {
     let s = &job.source;
     if (x as u32 as usize) < s.width && (y as u32 as usize) < s.height {
         let start = y as usize * s.row_stride + x as usize * channels;

@@ -25,6 +25,20 @@ pub(super) fn rounded(x: __m256) -> __m256i {
     _mm256_castps_si256(_mm256_add_ps(x, _mm256_set1_ps(MAGIC)))
 }
 
+/// Eight bytes from each of two offsets.
+///
+/// # Safety
+/// The bytes are readable.
+#[inline]
+#[target_feature(enable = "avx2")]
+unsafe fn two(p: *const u8, at: &[u64; LANES], i: usize) -> __m128i {
+    // SAFETY: the caller vouches for the bytes.
+    unsafe {
+        let first = _mm_loadl_epi64(p.add(at[i] as usize).cast());
+        _mm_insert_epi64::<1>(first, p.add(at[i + 1] as usize).cast::<i64>().read_unaligned())
+    }
+}
+
 /// Eight bytes from each offset: the first four of each pixel, then the last four.
 ///
 /// # Safety
@@ -33,18 +47,41 @@ pub(super) fn rounded(x: __m256) -> __m256i {
 #[target_feature(enable = "avx2")]
 unsafe fn eights(p: *const u8, at: &[u64; LANES]) -> [__m256i; 2] {
     // SAFETY: the caller vouches for the bytes.
-    let two = |i: usize| unsafe {
-        let first = _mm_loadl_epi64(p.add(at[i] as usize).cast());
-        _mm_insert_epi64::<1>(first, p.add(at[i + 1] as usize).cast::<i64>().read_unaligned())
+    let (a, b) = unsafe {
+        (
+            _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(two(p, at, 0)), two(p, at, 4)),
+            _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(two(p, at, 2)), two(p, at, 6)),
+        )
     };
-    let a = _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(two(0)), two(4));
-    let b = _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(two(2)), two(6));
     let (even, odd) = (_mm256_unpacklo_epi32(a, b), _mm256_unpackhi_epi32(a, b));
     [_mm256_unpacklo_epi32(even, odd), _mm256_unpackhi_epi32(even, odd)]
 }
 
 /// Bytes of three or four channels.
 pub(super) struct Bytes<const C: usize>;
+
+/// Byte `byte % 4` of each lane of half `byte / 4`, raised by 2^23.
+#[inline]
+#[target_feature(enable = "avx2")]
+fn pick(texels: &[__m256i; 2], byte: usize) -> __m256 {
+    // A negative index makes 0.
+    let first =
+        _mm256_setr_epi32(!0xff, !0xff | 4, !0xff | 8, !0xff | 12, !0xff, !0xff | 4, !0xff | 8, !0xff | 12);
+    let index = _mm256_add_epi32(first, _mm256_set1_epi32((byte % 4) as i32));
+    let picked = _mm256_shuffle_epi8(texels[byte / 4], index);
+    _mm256_castsi256_ps(_mm256_or_si256(picked, _mm256_set1_epi32(MAGIC_BITS)))
+}
+
+impl<const C: usize> Bytes<C> {
+    /// Channel `c` of a block: a byte in each lane.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn channel(c: usize, upper: &[__m256i; 2], lower: &[__m256i; 2], block: &Block) -> __m256i {
+        let (a, b) = (pick(upper, c), pick(upper, C + c));
+        let (c, d) = (pick(lower, c), pick(lower, C + c));
+        rounded(blend(a, b, c, d, _mm256_set1_ps(MAGIC), block))
+    }
+}
 
 impl<const C: usize> Kernel<u8> for Bytes<C> {
     const CHANNELS: usize = C;
@@ -57,20 +94,7 @@ impl<const C: usize> Kernel<u8> for Bytes<C> {
         // SAFETY: eight bytes are readable in both rows.
         let (upper, lower) =
             unsafe { (eights(rows, &block.offsets), eights(rows.add(stride), &block.offsets)) };
-        let magic = _mm256_set1_epi32(MAGIC_BITS);
-        let channel = |c: usize| {
-            let pick = |texels: &[__m256i; 2], byte: usize| {
-                // Byte `byte % 4` of each lane into the low one; a negative index makes 0.
-                let lane = |i: i32| !0xff | (4 * i + (byte % 4) as i32);
-                let index =
-                    _mm256_setr_epi32(lane(0), lane(1), lane(2), lane(3), lane(0), lane(1), lane(2), lane(3));
-                let picked = _mm256_shuffle_epi8(texels[byte / 4], index);
-                _mm256_castsi256_ps(_mm256_or_si256(picked, magic))
-            };
-            let (a, b) = (pick(&upper, c), pick(&upper, C + c));
-            let (c, d) = (pick(&lower, c), pick(&lower, C + c));
-            rounded(blend(a, b, c, d, _mm256_set1_ps(MAGIC), block))
-        };
+        let channel = |c: usize| Self::channel(c, &upper, &lower, block);
         // Shifting moves the 0x4b of the float out.
         let (g, b) = (_mm256_slli_epi32::<8>(channel(1)), _mm256_slli_epi32::<16>(channel(2)));
         let all = _mm256_or_si256(_mm256_or_si256(channel(0), g), b);
