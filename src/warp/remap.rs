@@ -103,7 +103,7 @@ fn band<T: Sample>(
     if let (Map::Single(x, y), Grid::Exact) = (map, grid) {
         return remap(isa, job, &Points::Plain(&x[start..end], &y[start..end]), out);
     }
-    let mut buffer = Buffer::new();
+    let mut buffer: Buffer<_> = Buffer::new();
     if let Map::Matrix(m) = map {
         for (i, row) in out.chunks_mut(width * job.channels()).enumerate() {
             for (k, out) in row.chunks_mut(CHUNK * job.channels()).enumerate() {

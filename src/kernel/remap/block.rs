@@ -24,45 +24,56 @@ pub(super) fn bounds<T>(source: &Source<'_, T>, taps: usize, load: usize) -> [u3
     [columns as u32, rows as u32]
 }
 
+/// Most pixels of a block.
+const LANES: usize = 16;
+
 /// Does blocks that a vector kernel cannot take.
 pub(super) struct Rest<'j, T: Sample> {
     isa: Isa,
     job: &'j Job<'j, T>,
-    buffer: Buffer<T::Acc>,
-    /// Border colour of a block, where that is all that a pixel beyond the picture needs.
-    fill: Option<Vec<T>>,
+    buffer: Buffer<T::Acc, LANES>,
+    /// A block of border colour.
+    fill: [T; 4 * LANES],
+    /// Whether that is all that a block beyond the picture needs.
+    fills: bool,
 }
 
 impl<'j, T: Sample> Rest<'j, T> {
-    /// For blocks of up to `lanes` pixels.
-    pub(super) fn new(isa: Isa, job: &'j Job<'j, T>, lanes: usize) -> Self {
-        let plain = job.edges == [Edge::Border; 2] && job.outside == Outside::Colour;
-        Self { isa, job, buffer: Buffer::new(), fill: plain.then(|| job.border.repeat(lanes)) }
+    /// For a job of up to four channels.
+    pub(super) fn new(isa: Isa, job: &'j Job<'j, T>) -> Self {
+        let mut fill = [T::default(); 4 * LANES];
+        for pixel in fill.chunks_exact_mut(job.source.channels) {
+            pixel.copy_from_slice(job.border);
+        }
+        let fills = job.edges == [Edge::Border; 2] && job.outside == Outside::Colour;
+        Self { isa, job, buffer: Buffer::new(), fill, fills }
     }
 
     /// Pixels `start..end` of a run, one by one.
     #[inline(never)]
     pub(super) fn pixels(&mut self, points: &Points<'_, T::Acc>, start: usize, end: usize, out: &mut [T]) {
         let channels = self.job.source.channels;
-        let out = &mut out[start * channels..end * channels];
         match points {
             Points::Plain(x, y) => {
-                let split = self.buffer.split_f32(self.isa, Grid::Exact, &x[start..end], &y[start..end]);
-                scalar::run(self.job, &split, out);
+                for start in (start..end).step_by(LANES) {
+                    let end = end.min(start + LANES);
+                    let split = self.buffer.split_f32(self.isa, Grid::Exact, &x[start..end], &y[start..end]);
+                    scalar::run(self.job, &split, &mut out[start * channels..end * channels]);
+                }
             }
-            Points::Split(split) => scalar::run(self.job, &split.part(start, end), out),
+            Points::Split(split) => {
+                scalar::run(self.job, &split.part(start, end), &mut out[start * channels..end * channels]);
+            }
         }
     }
 
     /// Whether blocks wholly beyond the picture are filled with the border colour.
     pub(super) fn fills(&self) -> bool {
-        self.fill.is_some()
+        self.fills
     }
 
     /// Pixels of a block wholly beyond the picture.
     pub(super) fn fill(&self, out: &mut [T]) {
-        if let Some(fill) = &self.fill {
-            out.copy_from_slice(&fill[..out.len()]);
-        }
+        out.copy_from_slice(&self.fill[..out.len()]);
     }
 }

@@ -23,14 +23,14 @@ pub enum Grid {
 
 /// A block of positions, taken apart.
 #[derive(Debug)]
-pub struct Buffer<A> {
-    x: [i32; CHUNK],
-    y: [i32; CHUNK],
-    fx: [A; CHUNK],
-    fy: [A; CHUNK],
+pub struct Buffer<A, const N: usize = CHUNK> {
+    x: [i32; N],
+    y: [i32; N],
+    fx: [A; N],
+    fy: [A; N],
 }
 
-impl<A: Real> Default for Buffer<A> {
+impl<A: Real, const N: usize> Default for Buffer<A, N> {
     fn default() -> Self {
         Self::new()
     }
@@ -39,14 +39,10 @@ impl<A: Real> Default for Buffer<A> {
 /// Positions beyond this are as good as this: no picture is as large.
 const FAR: f64 = 1_073_741_824.0;
 
-/// The position on the grid.
+/// The nearest multiple of 1/32.
 #[inline(always)]
-fn on_grid(grid: Grid, x: f64) -> f64 {
-    match grid {
-        Grid::Exact => x,
-        Grid::Whole => x.round_ties_even(),
-        Grid::Thirtyseconds | Grid::Accumulated => (x * 32.0).round_ties_even() * (1.0 / 32.0),
-    }
+fn thirtysecond(x: f64) -> f64 {
+    (x * 32.0).round_ties_even() * (1.0 / 32.0)
 }
 
 /// Whole part and fraction; positions further than [`FAR`] are drawn in. NaN and infinity are for the caller.
@@ -66,7 +62,7 @@ fn to_int(x: f64) -> i32 {
 }
 
 #[inline(always)]
-fn place<A: Real>(buffer: &mut Buffer<A>, i: usize, x: f64, y: f64) {
+fn place<A: Real, const N: usize>(buffer: &mut Buffer<A, N>, i: usize, x: f64, y: f64) {
     let ((xi, fx), (yi, fy)) = (take_apart(x), take_apart(y));
     let finite = x.abs() < f64::INFINITY && y.abs() < f64::INFINITY;
     buffer.x[i] = if finite { xi } else { NOWHERE };
@@ -75,43 +71,60 @@ fn place<A: Real>(buffer: &mut Buffer<A>, i: usize, x: f64, y: f64) {
     buffer.fy[i] = if finite { fy } else { A::default() };
 }
 
-#[inline(always)]
-fn split_with<A: Real>(buffer: &mut Buffer<A>, grid: Grid, n: usize, at: impl Fn(usize) -> (f64, f64)) {
-    let n = n.min(CHUNK);
-    // One loop a grid, so that none tests it for every pixel.
-    match grid {
-        Grid::Exact => (0..n).for_each(|i| {
-            let (x, y) = at(i);
-            place(buffer, i, x, y);
-        }),
-        _ => (0..n).for_each(|i| {
-            let (x, y) = at(i);
-            place(buffer, i, on_grid(grid, x), on_grid(grid, y));
-        }),
-    }
+/// Places the positions that an expression gives, on a grid. A macro, and not a function of a closure, so that
+/// all of it is compiled for the instruction set of the function around it.
+macro_rules! place_all {
+    ($buffer:ident, $grid:expr, $n:expr, |$i:ident| $at:expr) => {
+        // One loop a kind of grid, so that none tests it for every pixel.
+        match $grid {
+            Grid::Exact => {
+                for $i in 0..$n.min(N) {
+                    let (x, y) = $at;
+                    place($buffer, $i, x, y);
+                }
+            }
+            Grid::Whole => {
+                for $i in 0..$n.min(N) {
+                    let (x, y) = $at;
+                    place($buffer, $i, x.round_ties_even(), y.round_ties_even());
+                }
+            }
+            Grid::Thirtyseconds | Grid::Accumulated => {
+                for $i in 0..$n.min(N) {
+                    let (x, y) = $at;
+                    place($buffer, $i, thirtysecond(x), thirtysecond(y));
+                }
+            }
+        }
+    };
 }
 
 /// Positions of one row of a matrix: `(m0 x + (m1 y + m2), m3 x + (m4 y + m5))`, divided by
 /// `m6 x + (m7 y + m8)` unless that is always 1. A zero divisor gives position (0, 0), as OpenCV's warps do.
 #[inline(always)]
-fn matrix_with<A: Real>(buffer: &mut Buffer<A>, grid: Grid, m: &[f64; 9], x0: f64, y: f64, n: usize) {
+fn matrix_with<A: Real, const N: usize>(
+    buffer: &mut Buffer<A, N>,
+    grid: Grid,
+    m: &[f64; 9],
+    x0: f64,
+    y: f64,
+    n: usize,
+) {
     let (cx, cy, cw) = (m[1] * y + m[2], m[4] * y + m[5], m[7] * y + m[8]);
     let affine = m[6] == 0.0 && m[7] == 0.0 && m[8] == 1.0;
     if affine && grid == Grid::Accumulated {
-        let fixed = |v: f64| (v * 1024.0).round_ties_even();
         let (bx, by) = (fixed(cx) + 16.0, fixed(cy) + 16.0);
-        split_with(buffer, Grid::Exact, n, |i| {
+        place_all!(buffer, Grid::Exact, n, |i| {
             let x = x0 + f64::from(i as u32);
-            let snap = |a: f64, b: f64| ((fixed(a * x) + b) * (1.0 / 32.0)).floor() * (1.0 / 32.0);
-            (snap(m[0], bx), snap(m[3], by))
+            (snap(fixed(m[0] * x) + bx), snap(fixed(m[3] * x) + by))
         });
     } else if affine {
-        split_with(buffer, grid, n, |i| {
+        place_all!(buffer, grid, n, |i| {
             let x = x0 + f64::from(i as u32);
             (m[0] * x + cx, m[3] * x + cy)
         });
     } else {
-        split_with(buffer, grid, n, |i| {
+        place_all!(buffer, grid, n, |i| {
             let x = x0 + f64::from(i as u32);
             let w = m[6] * x + cw;
             let r = if w == 0.0 { 0.0 } else { 1.0 / w };
@@ -120,20 +133,32 @@ fn matrix_with<A: Real>(buffer: &mut Buffer<A>, grid: Grid, m: &[f64; 9], x0: f6
     }
 }
 
+/// In 1/1024 pixel.
+#[inline(always)]
+fn fixed(x: f64) -> f64 {
+    (x * 1024.0).round_ties_even()
+}
+
+/// From 1/1024 pixel down to 1/32.
+#[inline(always)]
+fn snap(x: f64) -> f64 {
+    (x * (1.0 / 32.0)).floor() * (1.0 / 32.0)
+}
+
 /// Compiles one body for every instruction set. The operations are the same, and so are their results.
 macro_rules! dispatched {
     ($(#[$doc:meta])* $name:ident, $avx2:ident, $avx512:ident, $body:ident, ($($arg:ident: $type:ty),*)) => {
         #[cfg(target_arch = "x86_64")]
         #[target_feature(enable = "avx2")]
-        fn $avx2<A: Real>(buffer: &mut Buffer<A>, $($arg: $type),*) {
+        fn $avx2<A: Real, const N: usize>(buffer: &mut Buffer<A, N>, $($arg: $type),*) {
             $body(buffer, $($arg),*);
         }
         #[cfg(target_arch = "x86_64")]
         #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx512dq")]
-        fn $avx512<A: Real>(buffer: &mut Buffer<A>, $($arg: $type),*) {
+        fn $avx512<A: Real, const N: usize>(buffer: &mut Buffer<A, N>, $($arg: $type),*) {
             $body(buffer, $($arg),*);
         }
-        impl<A: Real> Buffer<A> {
+        impl<A: Real, const N: usize> Buffer<A, N> {
             $(#[$doc])*
             pub fn $name(&mut self, isa: Isa, $($arg: $type),*) -> Split<'_, A> {
                 match isa {
@@ -154,45 +179,49 @@ macro_rules! dispatched {
 }
 
 #[inline(always)]
-fn plain_f32<A: Real>(buffer: &mut Buffer<A>, grid: Grid, x: &[f32], y: &[f32]) {
-    split_with(buffer, grid, x.len().min(y.len()), |i| (f64::from(x[i]), f64::from(y[i])));
+fn plain_f32<A: Real, const N: usize>(buffer: &mut Buffer<A, N>, grid: Grid, x: &[f32], y: &[f32]) {
+    let n = x.len().min(y.len()).min(N);
+    let (x, y) = (&x[..n], &y[..n]);
+    place_all!(buffer, grid, n, |i| (f64::from(x[i]), f64::from(y[i])));
 }
 
 #[inline(always)]
-fn plain_f64<A: Real>(buffer: &mut Buffer<A>, grid: Grid, x: &[f64], y: &[f64]) {
-    split_with(buffer, grid, x.len().min(y.len()), |i| (x[i], y[i]));
+fn plain_f64<A: Real, const N: usize>(buffer: &mut Buffer<A, N>, grid: Grid, x: &[f64], y: &[f64]) {
+    let n = x.len().min(y.len()).min(N);
+    let (x, y) = (&x[..n], &y[..n]);
+    place_all!(buffer, grid, n, |i| (x[i], y[i]));
 }
 
 dispatched!(
-    /// Takes positions in singles apart; at most [`CHUNK`].
+    /// Takes positions in singles apart; at most `N`.
     split_f32, f32_avx2, f32_avx512, plain_f32, (grid: Grid, x: &[f32], y: &[f32])
 );
 dispatched!(
-    /// Takes positions in doubles apart; at most [`CHUNK`].
+    /// Takes positions in doubles apart; at most `N`.
     split_f64, f64_avx2, f64_avx512, plain_f64, (grid: Grid, x: &[f64], y: &[f64])
 );
 dispatched!(
     /// Makes the positions that a 3x3 matrix gives to `n` output pixels (`x0`, `y`), (`x0 + 1`, `y`), ...; at most
-    /// [`CHUNK`]. In `f64`, whatever the elements: what is kept is the pixel and a fraction rounded once.
+    /// `N`. In `f64`, whatever the elements: what is kept is the pixel and a fraction rounded once.
     matrix, matrix_avx2, matrix_avx512, matrix_with, (grid: Grid, m: &[f64; 9], x0: f64, y: f64, n: usize)
 );
 
-impl<A: Real> Buffer<A> {
-    /// Room for [`CHUNK`] positions.
+impl<A: Real, const N: usize> Buffer<A, N> {
+    /// Room for `N` positions.
     pub fn new() -> Self {
-        Self { x: [0; CHUNK], y: [0; CHUNK], fx: [A::default(); CHUNK], fy: [A::default(); CHUNK] }
+        Self { x: [0; N], y: [0; N], fx: [A::default(); N], fy: [A::default(); N] }
     }
 
     /// The first `n` positions.
     fn view(&self, n: usize) -> Split<'_, A> {
-        let n = n.min(CHUNK);
+        let n = n.min(N);
         Split { x: &self.x[..n], y: &self.y[..n], fx: &self.fx[..n], fy: &self.fy[..n] }
     }
 
     /// Positions of a fixed-point map: pairs of whole pixels, and for each pair a code `32 * fy + fx` of
     /// fractions in 1/32 pixel (of which only ten bits count). Without codes the fractions are zero.
     pub fn fixed(&mut self, whole: &[i16], codes: Option<&[u16]>) -> Split<'_, A> {
-        let n = (whole.len() / 2).min(CHUNK);
+        let n = (whole.len() / 2).min(N);
         for (i, pair) in whole.chunks_exact(2).take(n).enumerate() {
             let code = codes.and_then(|c| c.get(i)).copied().unwrap_or(0);
             self.x[i] = i32::from(pair[0]);
@@ -212,7 +241,7 @@ mod tests {
     fn positions_come_apart_and_together() {
         let cases = [0.0, -0.25, 1.5, -1e-9, 41.999_999, 1e30, -1e30, f64::NAN, f64::INFINITY, 3e9, -7.0];
         for isa in Isa::available() {
-            let mut buffer = Buffer::<f64>::new();
+            let mut buffer = Buffer::<f64, CHUNK>::new();
             let split = buffer.split_f64(isa, Grid::Exact, &cases, &[0.0; 11]);
             for (i, &x) in cases.iter().enumerate() {
                 if x.is_finite() {
@@ -229,7 +258,7 @@ mod tests {
 
     #[test]
     fn grids_round_as_described() {
-        let mut buffer = Buffer::<f32>::new();
+        let mut buffer = Buffer::<f32, CHUNK>::new();
         let x = [0.5f32, 1.5, 2.5, -0.5, -0.51, 0.015_625, 0.046_875];
         let whole = buffer.split_f32(Isa::Scalar, Grid::Whole, &x, &[0.0; 7]);
         assert_eq!(whole.x, [0, 2, 2, 0, -1, 0, 0]);
@@ -251,7 +280,7 @@ mod tests {
         for m in &matrices {
             for grid in [Grid::Exact, Grid::Whole, Grid::Thirtyseconds, Grid::Accumulated] {
                 let mut buffers = Isa::available().into_iter().map(|isa| {
-                    let mut buffer = Buffer::<f32>::new();
+                    let mut buffer = Buffer::<f32, CHUNK>::new();
                     buffer.matrix(isa, grid, m, 5.0, 77.0, 67);
                     buffer
                 });

@@ -241,7 +241,7 @@ pub fn remap<T: Sample>(
     match points {
         Points::Plain(..) if plain_kernel && T::vector(isa, job, points, out) => {}
         Points::Plain(x, y) => {
-            let mut buffer = Buffer::new();
+            let mut buffer: Buffer<_> = Buffer::new();
             let grid = if job.interpolation == Interpolation::Nearest { Grid::Whole } else { Grid::Exact };
             let parts = x.chunks(CHUNK).zip(y.chunks(CHUNK));
             for ((x, y), out) in parts.zip(out.chunks_mut(CHUNK * job.source.channels)) {

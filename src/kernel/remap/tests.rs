@@ -107,7 +107,7 @@ fn agree<T: Probe>(random: &mut Random, channels: usize, kind: Interpolation) {
     let before: Vec<T> = (0..skip + n * channels).map(|_| T::draw(random)).collect();
     let run = |isa: Isa, taken_apart: bool| {
         let mut out = before.clone();
-        let mut buffer = Buffer::new();
+        let mut buffer: Buffer<_> = Buffer::new();
         let points = if taken_apart {
             let grid = if kind == Interpolation::Nearest { Grid::Whole } else { Grid::Exact };
             Points::Split(buffer.split_f32(isa, grid, &x, &y))

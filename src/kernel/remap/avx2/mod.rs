@@ -102,7 +102,7 @@ fn drive<T: Sample<Acc = f32>, K: Kernel<T>>(
 ) {
     let source = &job.source;
     let count = out.len() / K::CHANNELS;
-    let mut rest = Rest::new(Isa::Avx2, job, LANES);
+    let mut rest = Rest::new(Isa::Avx2, job);
     let bounds = bounds(source, K::TAPS, K::LOAD);
     if bounds.contains(&0) {
         return rest.pixels(points, 0, count, out);

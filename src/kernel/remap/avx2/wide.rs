@@ -124,6 +124,37 @@ impl<T: Wide, const C: usize> Kernel<T> for Pairs<C> {
 /// `K` x `K` taps of three or four channels.
 pub(super) struct Separable<W, const K: usize, const C: usize>(pub W);
 
+impl<W, const K: usize, const C: usize> Separable<W, K, C> {
+    /// Weighted sums of two columns from tap `first` on: one tap a half.
+    ///
+    /// # Safety
+    /// In each of `K` rows eight elements are readable from that tap on; `first + 2 <= K`.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    unsafe fn columns<T: Wide>(
+        p: *const T,
+        stride: usize,
+        wx: &[f32; K],
+        wy: &[f32; K],
+        first: usize,
+    ) -> __m256 {
+        let apart = _mm256_setr_epi32(0, 1, 2, 2, 3, 4, 5, 5);
+        // SAFETY: the caller vouches for the elements.
+        unsafe {
+            let p = p.add(first * C);
+            let mut sum = _mm256_mul_ps(_mm256_set1_ps(wy[0]), T::eight(p));
+            for j in 1..K {
+                let row = T::eight(p.add(j * stride));
+                sum = _mm256_add_ps(sum, _mm256_mul_ps(_mm256_set1_ps(wy[j]), row));
+            }
+            // Only now are three channels put four lanes apart: the sums are the same.
+            let placed = if C == 3 { _mm256_permutevar8x32_ps(sum, apart) } else { sum };
+            let weights = _mm256_set_m128(_mm_set1_ps(wx[first + 1]), _mm_set1_ps(wx[first]));
+            _mm256_mul_ps(weights, placed)
+        }
+    }
+}
+
 impl<T: Wide, W: Weights<K>, const K: usize, const C: usize> Kernel<T> for Separable<W, K, C> {
     const CHANNELS: usize = C;
     const TAPS: usize = K;
@@ -138,30 +169,26 @@ impl<T: Wide, W: Weights<K>, const K: usize, const C: usize> Kernel<T> for Separ
             _mm256_storeu_ps(fx.as_mut_ptr(), block.fx);
             _mm256_storeu_ps(fy.as_mut_ptr(), block.fy);
         }
-        let (wx, wy) = (fx.map(|f| self.0.at(f)), fy.map(|f| self.0.at(f)));
+        let (mut wx, mut wy) = ([[0f32; K]; LANES], [[0f32; K]; LANES]);
+        for i in 0..LANES {
+            wx[i] = self.0.at(fx[i]);
+            wy[i] = self.0.at(fy[i]);
+        }
         let mut buffer = [0f32; BUFFER];
-        let apart = _mm256_setr_epi32(0, 1, 2, 2, 3, 4, 5, 5);
         for i in 0..LANES {
             // SAFETY: `LOAD` elements are readable in each of `K` rows.
             unsafe {
                 let p = rows.add(block.offsets[i] as usize);
-                // Two taps, four lanes each; the sum does not depend on where three channels are put apart.
-                let columns = |group: usize| {
-                    let p = p.add(2 * group * C);
-                    let mut sum = _mm256_mul_ps(_mm256_set1_ps(wy[i][0]), T::eight(p));
-                    for (j, &w) in wy[i].iter().enumerate().skip(1) {
-                        sum =
-                            _mm256_add_ps(sum, _mm256_mul_ps(_mm256_set1_ps(w), T::eight(p.add(j * stride))));
-                    }
-                    let placed = if C == 3 { _mm256_permutevar8x32_ps(sum, apart) } else { sum };
-                    let w = _mm256_set_m128(_mm_set1_ps(wx[i][2 * group + 1]), _mm_set1_ps(wx[i][2 * group]));
-                    _mm256_mul_ps(w, placed)
-                };
+                let (a, b) = (
+                    Self::columns(p, stride, &wx[i], &wy[i], 0),
+                    Self::columns(p, stride, &wx[i], &wy[i], 2),
+                );
                 let two = if K == 8 {
-                    let first = _mm256_add_ps(columns(0), columns(2));
-                    _mm256_add_ps(first, _mm256_add_ps(columns(1), columns(3)))
+                    let c = Self::columns(p, stride, &wx[i], &wy[i], 4);
+                    let d = Self::columns(p, stride, &wx[i], &wy[i], 6);
+                    _mm256_add_ps(_mm256_add_ps(a, c), _mm256_add_ps(b, d))
                 } else {
-                    _mm256_add_ps(columns(0), columns(1))
+                    _mm256_add_ps(a, b)
                 };
                 let one = _mm_add_ps(_mm256_castps256_ps128(two), _mm256_extractf128_ps::<1>(two));
                 _mm_storeu_ps(buffer.as_mut_ptr().add(i * C), one);

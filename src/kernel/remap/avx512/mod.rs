@@ -101,7 +101,7 @@ fn drive<T: Sample<Acc = f32>, K: Kernel<T>>(
 ) {
     let source = &job.source;
     let count = out.len() / K::CHANNELS;
-    let mut rest = Rest::new(Isa::Avx512, job, LANES);
+    let mut rest = Rest::new(Isa::Avx512, job);
     let bounds = bounds(source, K::TAPS, K::LOAD);
     let before = _mm512_set1_epi32(K::TAPS as i32 / 2 - 1);
     let limit = bounds.map(|b| _mm512_set1_epi32(b as i32));

@@ -146,6 +146,38 @@ impl<T: Wide, const C: usize> Kernel<T> for Pairs<C> {
 /// `K` x `K` taps of three or four channels.
 pub(super) struct Separable<W, const K: usize, const C: usize>(pub W);
 
+impl<W, const K: usize, const C: usize> Separable<W, K, C> {
+    /// Weighted sums of four columns from tap `first` on: one tap a quarter.
+    ///
+    /// # Safety
+    /// In each of `K` rows sixteen elements are readable from that tap on; `first + 4 <= K`.
+    #[inline]
+    #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx512dq,avx512vbmi")]
+    unsafe fn columns<T: Wide>(
+        p: *const T,
+        stride: usize,
+        wx: &[f32; K],
+        wy: &[f32; K],
+        first: usize,
+    ) -> __m512 {
+        let apart = _mm512_setr_epi32(0, 1, 2, 2, 3, 4, 5, 5, 6, 7, 8, 8, 9, 10, 11, 11);
+        let spread = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
+        // SAFETY: the caller vouches for the elements and the weights.
+        unsafe {
+            let p = p.add(first * C);
+            let mut sum = _mm512_mul_ps(_mm512_set1_ps(wy[0]), T::sixteen(p));
+            for j in 1..K {
+                let row = T::sixteen(p.add(j * stride));
+                sum = _mm512_add_ps(sum, _mm512_mul_ps(_mm512_set1_ps(wy[j]), row));
+            }
+            // Only now are three channels put four lanes apart: the sums are the same.
+            let placed = if C == 3 { _mm512_permutexvar_ps(apart, sum) } else { sum };
+            let four = _mm512_castps128_ps512(_mm_loadu_ps(wx.as_ptr().add(first)));
+            _mm512_mul_ps(_mm512_permutexvar_ps(spread, four), placed)
+        }
+    }
+}
+
 impl<T: Wide, W: Weights<K>, const K: usize, const C: usize> Kernel<T> for Separable<W, K, C> {
     const CHANNELS: usize = C;
     const TAPS: usize = K;
@@ -160,30 +192,23 @@ impl<T: Wide, W: Weights<K>, const K: usize, const C: usize> Kernel<T> for Separ
             _mm512_storeu_ps(fx.as_mut_ptr(), block.fx);
             _mm512_storeu_ps(fy.as_mut_ptr(), block.fy);
         }
-        let (wx, wy) = (fx.map(|f| self.0.at(f)), fy.map(|f| self.0.at(f)));
+        let (mut wx, mut wy) = ([[0f32; K]; LANES], [[0f32; K]; LANES]);
+        for i in 0..LANES {
+            wx[i] = self.0.at(fx[i]);
+            wy[i] = self.0.at(fy[i]);
+        }
         let mut buffer = [0f32; BUFFER];
-        let apart = _mm512_setr_epi32(0, 1, 2, 2, 3, 4, 5, 5, 6, 7, 8, 8, 9, 10, 11, 11);
-        let spread = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
         for i in 0..LANES {
             // SAFETY: `LOAD` elements are readable in each of `K` rows; four weights are at each multiple of
             // four below `K`.
             unsafe {
                 let p = rows.add(block.offsets[i] as usize);
-                // Four taps, four lanes each; the sum does not depend on where three channels are put apart.
-                let column = |group: usize| {
-                    let p = p.add(4 * group * C);
-                    let mut sum = _mm512_mul_ps(_mm512_set1_ps(wy[i][0]), T::sixteen(p));
-                    for (j, &w) in wy[i].iter().enumerate().skip(1) {
-                        sum = _mm512_add_ps(
-                            sum,
-                            _mm512_mul_ps(_mm512_set1_ps(w), T::sixteen(p.add(j * stride))),
-                        );
-                    }
-                    let four = _mm_loadu_ps(wx[i].as_ptr().add(4 * group));
-                    let placed = if C == 3 { _mm512_permutexvar_ps(apart, sum) } else { sum };
-                    _mm512_mul_ps(_mm512_permutexvar_ps(spread, _mm512_castps128_ps512(four)), placed)
+                let first = Self::columns(p, stride, &wx[i], &wy[i], 0);
+                let four = if K == 8 {
+                    _mm512_add_ps(first, Self::columns(p, stride, &wx[i], &wy[i], 4))
+                } else {
+                    first
                 };
-                let four = if K == 8 { _mm512_add_ps(column(0), column(1)) } else { column(0) };
                 let high = _mm512_extractf32x8_ps::<1>(four);
                 let two = _mm256_add_ps(_mm512_castps512_ps256(four), high);
                 let one = _mm_add_ps(_mm256_castps256_ps128(two), _mm256_extractf128_ps::<1>(two));
