@@ -100,7 +100,8 @@ macro_rules! place_all {
 }
 
 /// Positions of one row of a matrix: `(m0 x + (m1 y + m2), m3 x + (m4 y + m5))`, divided by
-/// `m6 x + (m7 y + m8)` unless that is always 1. A zero divisor gives position (0, 0), as OpenCV's warps do.
+/// `m6 x + (m7 y + m8)` unless that is always 1. A zero divisor gives position (0, 0) on a grid of
+/// fractions and none elsewhere, as OpenCV's warps do.
 #[inline(always)]
 fn matrix_with<A: Real, const N: usize>(
     buffer: &mut Buffer<A, N>,
@@ -112,6 +113,7 @@ fn matrix_with<A: Real, const N: usize>(
 ) {
     let (cx, cy, cw) = (m[1] * y + m[2], m[4] * y + m[5], m[7] * y + m[8]);
     let affine = m[6] == 0.0 && m[7] == 0.0 && m[8] == 1.0;
+    let at_infinity = if matches!(grid, Grid::Thirtyseconds | Grid::Accumulated) { 0.0 } else { f64::NAN };
     if affine && grid == Grid::Accumulated {
         let (bx, by) = (fixed(cx) + 16.0, fixed(cy) + 16.0);
         place_all!(buffer, Grid::Exact, n, |i| {
@@ -127,7 +129,7 @@ fn matrix_with<A: Real, const N: usize>(
         place_all!(buffer, grid, n, |i| {
             let x = x0 + f64::from(i as u32);
             let w = m[6] * x + cw;
-            let r = if w == 0.0 { 0.0 } else { 1.0 / w };
+            let r = if w == 0.0 { at_infinity } else { 1.0 / w };
             ((m[0] * x + cx) * r, (m[3] * x + cy) * r)
         });
     }
