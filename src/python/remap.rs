@@ -182,7 +182,28 @@ fn interpolate_array<'py>(
     }
 }
 
+/// Whether a map or a matrix minifies anywhere in an output of this size.
+#[pyfunction]
+#[pyo3(signature = (first, second, matrix, width, height))]
+fn map_minifies<'py>(
+    py: Python<'py>,
+    first: Option<&Bound<'py, PyUntypedArray>>,
+    second: Option<&Bound<'py, PyUntypedArray>>,
+    matrix: Option<[f64; 9]>,
+    width: usize,
+    height: usize,
+) -> PyResult<bool> {
+    let arrays = first.map(|first| MapArrays::new(first, second)).transpose()?;
+    let map = match (&arrays, &matrix) {
+        (Some(arrays), None) => arrays.map()?,
+        (None, Some(matrix)) => Map::Matrix(matrix),
+        _ => return Err(Error::value("map", "none or both", "a map or a matrix").into()),
+    };
+    Ok(py.detach(|| map.minifies(width, height))?)
+}
+
 /// Adds this topic to the module.
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(interpolate_array, module)?)
+    module.add_function(wrap_pyfunction!(interpolate_array, module)?)?;
+    module.add_function(wrap_pyfunction!(map_minifies, module)?)
 }

@@ -143,9 +143,9 @@ impl<W, const K: usize, const C: usize> Separable<W, K, C> {
         unsafe {
             let p = p.add(first * C);
             let mut sum = _mm256_mul_ps(_mm256_set1_ps(wy[0]), T::eight(p));
-            for j in 1..K {
+            for (j, &w) in wy.iter().enumerate().skip(1) {
                 let row = T::eight(p.add(j * stride));
-                sum = _mm256_add_ps(sum, _mm256_mul_ps(_mm256_set1_ps(wy[j]), row));
+                sum = _mm256_add_ps(sum, _mm256_mul_ps(_mm256_set1_ps(w), row));
             }
             // Only now are three channels put four lanes apart: the sums are the same.
             let placed = if C == 3 { _mm256_permutevar8x32_ps(sum, apart) } else { sum };

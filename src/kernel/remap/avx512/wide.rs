@@ -166,9 +166,9 @@ impl<W, const K: usize, const C: usize> Separable<W, K, C> {
         unsafe {
             let p = p.add(first * C);
             let mut sum = _mm512_mul_ps(_mm512_set1_ps(wy[0]), T::sixteen(p));
-            for j in 1..K {
+            for (j, &w) in wy.iter().enumerate().skip(1) {
                 let row = T::sixteen(p.add(j * stride));
-                sum = _mm512_add_ps(sum, _mm512_mul_ps(_mm512_set1_ps(wy[j]), row));
+                sum = _mm512_add_ps(sum, _mm512_mul_ps(_mm512_set1_ps(w), row));
             }
             // Only now are three channels put four lanes apart: the sums are the same.
             let placed = if C == 3 { _mm512_permutexvar_ps(apart, sum) } else { sum };
