@@ -52,6 +52,14 @@ impl Jacobian {
         self.m.iter().flatten().all(|x| x.is_finite())
     }
 
+    /// The largest singular value alone; see [`Jacobian::axes`].
+    #[inline(always)]
+    pub fn sigma1(self) -> f64 {
+        let [[a, b], [c, d]] = self.m;
+        // Plain square roots: entries beyond 1e±150 count as infinite or zero.
+        0.5 * (length(a + d, c - b) + length(a - d, b + c))
+    }
+
     /// Singular values and major axis.
     ///
     /// `sigma1` is the length of the sum of the matrix's two conformal parts,
@@ -59,11 +67,7 @@ impl Jacobian {
     /// where the difference of the two lengths would. Blinn, "Consider the lowly 2x2 matrix", IEEE CG&A 1996.
     pub fn axes(self) -> Axes {
         let [[a, b], [c, d]] = self.m;
-        // Plain square roots: entries beyond 1e±150 count as infinite or zero.
-        let length = |x: f64, y: f64| (x * x + y * y).sqrt();
-        let rotation = length(a + d, c - b);
-        let reflection = length(a - d, b + c);
-        let sigma1 = 0.5 * (rotation + reflection);
+        let sigma1 = self.sigma1();
         if sigma1 == 0.0 {
             return Axes { sigma1: 0.0, sigma2: 0.0, major: [1.0, 0.0] };
         }
@@ -83,8 +87,13 @@ impl Jacobian {
     }
 }
 
+#[inline(always)]
+fn length(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
 fn normalized(x: f64, y: f64) -> [f64; 2] {
-    let n = (x * x + y * y).sqrt();
+    let n = length(x, y);
     [x / n, y / n]
 }
 

@@ -44,7 +44,7 @@ impl LodRule {
     #[inline]
     pub fn lod(self, jacobian_tx: Jacobian) -> f32 {
         match self {
-            Self::Major => log2(jacobian_tx.axes().sigma1 as f32),
+            Self::Major => log2(jacobian_tx.sigma1() as f32),
             Self::Area => 0.5 * log2(jacobian_tx.det().abs() as f32),
         }
     }
@@ -66,8 +66,9 @@ pub fn clamp(lod: f32, last: usize) -> f32 {
 /// The finer of the two levels to blend, and the weight of the coarser.
 #[inline]
 pub fn split(clamped: f32) -> (usize, f32) {
-    let level = clamped.floor();
-    (level as usize, clamped - level)
+    // Not negative, so truncation is floor.
+    let level = clamped as usize;
+    (level, clamped - level as f32)
 }
 
 /// The nearest level; halves go down. OpenGL 4.6, section 8.14.3: `ceil(lambda + 1/2) - 1`.

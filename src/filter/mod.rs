@@ -144,12 +144,23 @@ impl<'a, T: Texel, D: Decode<T>> Reader<'a, T, D> {
     #[inline(always)]
     fn taps(&self, level: usize, x: i32, y: i32) -> [[T::Real; 4]; 4] {
         let plane = &self.layers.planes[level];
-        let places = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
         if plane.covers(x, y, x + 1, y + 1) {
-            places.map(|(x, y)| self.decode.texel(plane.texel(x, y)))
+            let [a, b, c, d] = plane.quad(x, y);
+            [self.decode.texel(a), self.decode.texel(b), self.decode.texel(c), self.decode.texel(d)]
         } else {
-            places.map(|(x, y)| self.tap(level, x, y))
+            self.taps_outside(level, x, y)
         }
+    }
+
+    /// As [`Reader::taps`], where some of them lie beyond the plane.
+    #[cold]
+    fn taps_outside(&self, level: usize, x: i32, y: i32) -> [[T::Real; 4]; 4] {
+        [
+            self.tap(level, x, y),
+            self.tap(level, x + 1, y),
+            self.tap(level, x, y + 1),
+            self.tap(level, x + 1, y + 1),
+        ]
     }
 
     /// An average as a result.
@@ -172,7 +183,8 @@ impl<'a, T: Texel, D: Decode<T>> Reader<'a, T, D> {
 /// `a + t (b - a)` in every lane.
 #[inline(always)]
 fn lerp4<R: Real>(a: [R; 4], b: [R; 4], t: R) -> [R; 4] {
-    std::array::from_fn(|i| crate::num::lerp(a[i], b[i], t))
+    use crate::num::lerp;
+    [lerp(a[0], b[0], t), lerp(a[1], b[1], t), lerp(a[2], b[2], t), lerp(a[3], b[3], t)]
 }
 
 /// The whole and the fractional part of a coordinate.

@@ -41,6 +41,24 @@ impl<T: Copy + Default> Plane<'_, T> {
         }
     }
 
+    /// The 2x2 texels from a readable place on, row by row; (x + 1, y + 1) must be readable too.
+    #[inline(always)]
+    pub fn quad(&self, x: i32, y: i32) -> [[T; 4]; 4] {
+        debug_assert!(self.covers(x, y, x + 1, y + 1));
+        let start = self.origin as isize + y as isize * self.row as isize + x as isize * self.lanes as isize;
+        let start = start as usize;
+        if self.channels == 4 && self.lanes == 4 {
+            let (a, b) = (&self.data[start..start + 8], &self.data[start + self.row..start + self.row + 8]);
+            return [
+                [a[0], a[1], a[2], a[3]],
+                [a[4], a[5], a[6], a[7]],
+                [b[0], b[1], b[2], b[3]],
+                [b[4], b[5], b[6], b[7]],
+            ];
+        }
+        [self.texel(x, y), self.texel(x + 1, y), self.texel(x, y + 1), self.texel(x + 1, y + 1)]
+    }
+
     /// Whether the texel stands in the picture or its apron.
     #[inline(always)]
     pub fn is_readable(&self, x: i32, y: i32) -> bool {

@@ -88,7 +88,7 @@ pub(crate) struct Plain {
 impl<T: Texel> Decode<T> for Plain {
     #[inline(always)]
     fn texel(&self, codes: [T; 4]) -> [T::Real; 4] {
-        codes.map(T::to_real)
+        [codes[0].to_real(), codes[1].to_real(), codes[2].to_real(), codes[3].to_real()]
     }
 
     fn outside(&self, value: [f64; 4]) -> [T::Real; 4] {
@@ -102,7 +102,7 @@ impl<T: Texel> Decode<T> for Plain {
         }
         // A true division: the average of equal codes is then the correctly rounded quotient.
         let full = T::Real::from_f64(self.full_scale);
-        average.map(|a| a / full)
+        [average[0] / full, average[1] / full, average[2] / full, average[3] / full]
     }
 
     fn finish_slope(&self, _average: [T::Real; 4], slope: [T::Real; 4]) -> [T::Real; 4] {

@@ -147,7 +147,7 @@ impl Mapping<'_> {
     pub(super) fn minifies(&self, width: usize, height: usize) -> bool {
         let beyond_one = |x: usize, y: usize| {
             let query = self.query(x, y, width, height);
-            let sigma1 = query.jacobian_tx.axes().sigma1;
+            let sigma1 = query.jacobian_tx.sigma1();
             // Rounding of a pure rotation is not minification; places that are not finite read nothing.
             (sigma1 > 1.0 + 1e-9 || sigma1.is_nan()) && query.s.is_finite() && query.t.is_finite()
         };
