@@ -5,6 +5,7 @@
 //! everything cancels, so areas are summed in double-double arithmetic (Dekker 1971; Shewchuk 1997) and come
 //! out right to the last bits until the triangle is thinner than 1e-30 of its length.
 
+use super::batch::{Numbers, Output, run};
 use crate::error::{Error, Result};
 use glam::DVec2;
 
@@ -54,6 +55,32 @@ pub fn barycentric(point: DVec2, triangle: [DVec2; 3]) -> Result<Weights> {
     let areas = [area2(point, b, c), area2(a, point, c), area2(a, b, point)];
     let inside = areas.iter().all(|s| s * det.signum() >= 0.0);
     Ok(Weights { weights: areas.map(|s| s / det), inside })
+}
+
+/// Barycentric coordinates of many points: 3 numbers each in `weights` and 1 in `inside` (1 or 0).
+/// `triangles` holds 6 numbers: one triangle for all points, or one each.
+///
+/// # Errors
+/// Those of [`barycentric`], and [`Error::Value`] for arrays of different counts.
+pub fn batch(
+    points: Numbers<'_>,
+    triangles: Numbers<'_>,
+    weights: Output<'_>,
+    inside: Output<'_>,
+) -> Result<()> {
+    let count = points.len() / 2;
+    let shared = triangles.len() == 6;
+    if !shared {
+        super::batch::check_length("triangle", triangles.len(), 6 * count)?;
+    }
+    run(count, weights, Some(inside), [3, 1], false, &|i, out, flag| {
+        let first = if shared { 0 } else { 3 * i };
+        let corners = [0, 1, 2].map(|k| triangles.pair(first + k));
+        let found = barycentric(points.pair(i), corners)?;
+        out[..3].copy_from_slice(&found.weights);
+        flag[0] = f64::from(u8::from(found.inside));
+        Ok(())
+    })
 }
 
 #[cfg(test)]

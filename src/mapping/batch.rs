@@ -1,7 +1,9 @@
 //! Whole arrays of points, in tiles on all threads: single or double numbers in, f64 in between, out as asked.
 
-use super::{Mapping, SurfacePoint};
+use super::{Cube, Face, Mapped, Mapping, SurfacePoint};
 use crate::error::{Error, Result};
+use crate::jacobian::Jacobian;
+use crate::num::Real;
 use crate::par;
 use glam::{DVec2, DVec3};
 
@@ -37,9 +39,22 @@ impl Numbers<'_> {
         }
     }
 
+    /// The pair at place `i`.
+    #[inline]
+    pub(super) fn pair(&self, i: usize) -> DVec2 {
+        DVec2::new(self.get(2 * i), self.get(2 * i + 1))
+    }
+
+    /// The Jacobian at place `i`.
+    #[inline]
+    pub(super) fn jacobian(&self, i: usize) -> Jacobian {
+        let at = |k: usize| self.get(4 * i + k);
+        Jacobian::new([[at(0), at(1)], [at(2), at(3)]])
+    }
+
     /// The vector of `dimensions` numbers at place `i`, the rest zero.
     #[inline]
-    fn vector(&self, i: usize, dimensions: usize) -> DVec3 {
+    pub(super) fn vector(&self, i: usize, dimensions: usize) -> DVec3 {
         let at = i * dimensions;
         let z = if dimensions == 3 { self.get(at + 2) } else { 0.0 };
         DVec3::new(self.get(at), self.get(at + 1), z)
@@ -68,46 +83,54 @@ pub struct Input<'a> {
     pub dn: Option<[Numbers<'a>; 2]>,
 }
 
+impl Input<'_> {
+    /// How many points there are, if every array has that many.
+    fn check(&self, map: &dyn Mapping) -> Result<usize> {
+        let dimensions = map.dimensions();
+        let count = self.points.len() / dimensions;
+        check_length("points", self.points.len(), count * dimensions)?;
+        if map.needs_normals() && self.normals.is_none() {
+            return Err(Error::value("normals", "None", "one normal a point: this map reads them"));
+        }
+        for (name, array, size) in [
+            ("normals", self.normals, 3),
+            ("dpdx", self.dp.map(|d| d[0]), dimensions),
+            ("dpdy", self.dp.map(|d| d[1]), dimensions),
+            ("dndx", self.dn.map(|d| d[0]), 3),
+            ("dndy", self.dn.map(|d| d[1]), 3),
+        ] {
+            if let Some(array) = array {
+                check_length(name, array.len(), count * size)?;
+            }
+        }
+        Ok(count)
+    }
+
+    /// Point `i` with all that is known of it.
+    #[inline]
+    fn point(&self, i: usize, dimensions: usize) -> SurfacePoint {
+        let pair = |arrays: Option<[Numbers<'_>; 2]>, size: usize| {
+            arrays.map_or([DVec3::ZERO; 2], |a| a.map(|a| a.vector(i, size)))
+        };
+        SurfacePoint {
+            p: self.points.vector(i, dimensions),
+            n: self.normals.map_or(DVec3::ZERO, |n| n.vector(i, 3)),
+            dp: pair(self.dp, dimensions),
+            dn: pair(self.dn, 3),
+        }
+    }
+}
+
 /// Points a tile: enough work to hand out, few enough to balance.
 const TILE: usize = 4096;
 /// Most numbers that a point has in an output.
 const MOST: usize = 12;
 
-trait Narrow: Copy + Send {
-    fn narrow(x: f64) -> Self;
-    fn is_one(self) -> bool;
-    fn zero() -> Self;
-}
-
-impl Narrow for f32 {
-    fn narrow(x: f64) -> Self {
-        x as f32
-    }
-    fn is_one(self) -> bool {
-        self == 1.0
-    }
-    fn zero() -> Self {
-        0.0
-    }
-}
-
-impl Narrow for f64 {
-    fn narrow(x: f64) -> Self {
-        x
-    }
-    fn is_one(self) -> bool {
-        self == 1.0
-    }
-    fn zero() -> Self {
-        0.0
-    }
-}
-
 /// One point of a batch: its number, then its places in the two outputs.
 type Job<'a> = dyn Fn(usize, &mut [f64], &mut [f64]) -> Result<()> + Sync + 'a;
 
 /// Runs `job` for every point. The outputs hold `sizes` numbers a point; a `periodic` first number that rounds to 1 is 0.
-fn drive<T: Narrow>(
+fn drive<T: Real>(
     first: &mut [T],
     second: Option<&mut [T]>,
     sizes: [usize; 2],
@@ -123,14 +146,14 @@ fn drive<T: Narrow>(
             let (mut x, mut y) = ([0.0; MOST], [0.0; MOST]);
             job(tile * TILE + k, &mut x, &mut y)?;
             for (o, x) in out.iter_mut().zip(x) {
-                *o = T::narrow(x);
+                *o = T::from_f64(x);
             }
-            if periodic && out[0].is_one() {
-                out[0] = T::zero();
+            if periodic && out[0] == T::ONE {
+                out[0] = T::ZERO;
             }
             if let Some(out) = rest.as_mut().and_then(Iterator::next) {
                 for (o, y) in out.iter_mut().zip(y) {
-                    *o = T::narrow(y);
+                    *o = T::from_f64(y);
                 }
             }
         }
@@ -182,35 +205,46 @@ pub fn map_batch(
     uv: Output<'_>,
     jacobian: Option<Output<'_>>,
 ) -> Result<()> {
-    let dimensions = map.dimensions();
-    let count = input.points.len() / dimensions;
-    check_length("points", input.points.len(), count * dimensions)?;
-    if map.needs_normals() && input.normals.is_none() {
-        return Err(Error::value("normals", "None", "one normal a point: this map reads them"));
-    }
-    for (name, array, size) in [
-        ("normals", input.normals, 3),
-        ("dpdx", input.dp.map(|d| d[0]), dimensions),
-        ("dpdy", input.dp.map(|d| d[1]), dimensions),
-        ("dndx", input.dn.map(|d| d[0]), 3),
-        ("dndy", input.dn.map(|d| d[1]), 3),
-    ] {
-        if let Some(array) = array {
-            check_length(name, array.len(), count * size)?;
-        }
-    }
-    let pair = |arrays: Option<[Numbers<'_>; 2]>, i: usize, size: usize| {
-        arrays.map_or([DVec3::ZERO; 2], |a| a.map(|a| a.vector(i, size)))
-    };
+    let count = input.check(map)?;
     run(count, uv, jacobian, [2, 4], map.is_periodic(), &|i, uv, j| {
-        let mapped = map.at(&SurfacePoint {
-            p: input.points.vector(i, dimensions),
-            n: input.normals.map_or(DVec3::ZERO, |n| n.vector(i, 3)),
-            dp: pair(input.dp, i, dimensions),
-            dn: pair(input.dn, i, 3),
-        });
+        let mapped = map.at(&input.point(i, map.dimensions()));
         uv[..2].copy_from_slice(&mapped.uv.to_array());
         j[..4].copy_from_slice(mapped.jacobian.m.as_flattened());
+        Ok(())
+    })
+}
+
+/// Faces of a cube: `faces` takes 3 numbers a point (face, s, t), NaN at the centre, and `jacobian` 4, of (s, t).
+///
+/// # Errors
+/// [`Error::Value`] for arrays of different counts.
+pub fn faces_batch(
+    cube: &Cube,
+    input: Input<'_>,
+    faces: Output<'_>,
+    jacobian: Option<Output<'_>>,
+) -> Result<()> {
+    let count = input.check(cube)?;
+    run(count, faces, jacobian, [3, 4], false, &|i, out, j| {
+        let found = cube.face_at(&input.point(i, 3));
+        let face = found.map_or(f64::NAN, |(face, _)| face.index() as f64);
+        let mapped = found.map_or(Mapped::NOWHERE, |(_, mapped)| mapped);
+        out[..3].copy_from_slice(&[face, mapped.uv.x, mapped.uv.y]);
+        j[..4].copy_from_slice(mapped.jacobian.m.as_flattened());
+        Ok(())
+    })
+}
+
+/// The direction for every (face, s, t); NaN for a face that is not 0 to 5.
+///
+/// # Errors
+/// [`Error::Value`] for arrays of different counts.
+pub fn faces_inverse_batch(cube: &Cube, faces: Numbers<'_>, points: Output<'_>) -> Result<()> {
+    run(faces.len() / 3, points, None, [3, 1], false, &|i, out, _| {
+        let [face, s, t] = faces.vector(i, 3).to_array();
+        let known = Face::ALL.into_iter().find(|f| f.index() as f64 == face);
+        let at = known.and_then(|face| cube.face_inverse(face, DVec2::new(s, t)));
+        out[..3].copy_from_slice(&at.map_or(DVec3::NAN, |a| a.p).to_array());
         Ok(())
     })
 }
@@ -225,7 +259,7 @@ pub fn inverse_batch(map: &dyn Mapping, uv: Numbers<'_>, points: Output<'_>) -> 
     }
     let dimensions = map.dimensions();
     run(uv.len() / 2, points, None, [dimensions, 1], false, &|i, out, _| {
-        let at = map.inverse_at(DVec2::new(uv.get(2 * i), uv.get(2 * i + 1)));
+        let at = map.inverse_at(uv.pair(i));
         out[..3].copy_from_slice(&at.map_or(DVec3::NAN, |a| a.p).to_array());
         Ok(())
     })

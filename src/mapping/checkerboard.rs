@@ -6,6 +6,8 @@
 //! so the trapezoidal rule on each piece of the four sides is exact. Coordinates are taken from the footprint's
 //! centre, and T from there, so that small footprints lose no digits.
 
+use super::batch::{Numbers, Output, check_length, run};
+use crate::error::{Error, Result};
 use crate::jacobian::Jacobian;
 use glam::DVec2;
 
@@ -147,4 +149,23 @@ impl Grid {
         });
         sum
     }
+}
+
+/// The checkerboard at every uv, 1 number a point: [`point`] without a Jacobian, else [`filtered`].
+///
+/// # Errors
+/// [`Error::Value`] for cell counts that are not positive and finite, and for arrays of different counts.
+pub fn batch(uv: Numbers<'_>, jacobian: Option<Numbers<'_>>, cells: DVec2, out: Output<'_>) -> Result<()> {
+    if !(cells.cmpgt(DVec2::ZERO).all() && cells.is_finite()) {
+        return Err(Error::value("cells", cells, "positive numbers"));
+    }
+    let count = uv.len() / 2;
+    if let Some(j) = jacobian {
+        check_length("jacobian", j.len(), 4 * count)?;
+    }
+    run(count, out, None, [1, 1], false, &|i, out, _| {
+        let uv = uv.pair(i);
+        out[0] = jacobian.map_or_else(|| point(uv, cells), |j| filtered(uv, j.jacobian(i), cells));
+        Ok(())
+    })
 }

@@ -1,6 +1,8 @@
 //! How a map stretches areas and angles.
 
+use super::batch::{Numbers, Output, check_length, run};
 use super::{Mapping, SurfacePoint};
+use crate::error::Result;
 use crate::jacobian::Jacobian;
 use glam::DVec3;
 
@@ -52,4 +54,33 @@ pub fn distortion(map: &dyn Mapping, p: DVec3, normal: DVec3) -> Distortion {
     let Some([e1, e2]) = tangents(normal) else { return nothing };
     let mapped = map.at(&SurfacePoint::new(p).with_normal(normal).moving(e1, e2));
     if mapped.uv.is_nan() { nothing } else { Distortion::of(mapped.jacobian) }
+}
+
+/// Distortions of many Jacobians by orthonormal tangents: 4 numbers each, σ₁, σ₂, area and angle stretch.
+///
+/// # Errors
+/// [`crate::Error::Value`] for arrays of different counts.
+pub fn batch(jacobians: Numbers<'_>, out: Output<'_>) -> Result<()> {
+    let count = jacobians.len() / 4;
+    check_length("jacobian", jacobians.len(), 4 * count)?;
+    run(count, out, None, [4, 1], false, &|i, out, _| {
+        let d = Distortion::of(jacobians.jacobian(i));
+        out[..4].copy_from_slice(&[d.sigma1, d.sigma2, d.area(), d.angle()]);
+        Ok(())
+    })
+}
+
+/// Tangents of many normals: 6 numbers each, NaN for a zero normal.
+///
+/// # Errors
+/// [`crate::Error::Value`] for arrays of different counts.
+pub fn tangents_batch(normals: Numbers<'_>, out: Output<'_>) -> Result<()> {
+    let count = normals.len() / 3;
+    check_length("normals", normals.len(), 3 * count)?;
+    run(count, out, None, [6, 1], false, &|i, out, _| {
+        let [e1, e2] = tangents(normals.vector(i, 3)).unwrap_or([DVec3::NAN; 2]);
+        out[..3].copy_from_slice(&e1.to_array());
+        out[3..6].copy_from_slice(&e2.to_array());
+        Ok(())
+    })
 }

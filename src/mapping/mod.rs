@@ -43,7 +43,7 @@ mod stereographic;
 pub mod surface;
 mod two_stage;
 
-pub use batch::{Input, Numbers, Output, inverse_batch, map_batch};
+pub use batch::{Input, Numbers, Output, faces_batch, faces_inverse_batch, inverse_batch, map_batch};
 pub use cube::{Cube, Face, Layout};
 pub use cylindrical::Cylindrical;
 pub use dual_paraboloid::DualParaboloid;

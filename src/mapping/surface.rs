@@ -1,5 +1,6 @@
 //! Parametric surfaces: point, partial derivatives and unit normal at (u, v).
 
+use super::batch::{Numbers, Output, run};
 use super::{Axis, check_finite};
 use crate::error::{Error, Result};
 use glam::{DVec2, DVec3};
@@ -121,6 +122,22 @@ impl Surface {
                 Place { p, p_u, p_v, n }
             }
         }
+    }
+}
+
+impl Surface {
+    /// The places of all (u, v): 12 numbers each, p, p_u, p_v and n.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for room of another size.
+    pub fn batch(&self, uv: Numbers<'_>, places: Output<'_>) -> Result<()> {
+        run(uv.len() / 2, places, None, [12, 1], false, &|i, out, _| {
+            let place = self.at(uv.pair(i));
+            for (k, v) in [place.p, place.p_u, place.p_v, place.n].into_iter().enumerate() {
+                out[3 * k..3 * k + 3].copy_from_slice(&v.to_array());
+            }
+            Ok(())
+        })
     }
 }
 

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 pub mod convert;
 mod errors;
 mod files;
+mod mapping;
 mod pyramid;
 mod remap;
 mod sat;
@@ -17,6 +18,7 @@ mod warp;
 fn _multum(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     files::register(module)?;
+    mapping::register(module)?;
     pyramid::register(module)?;
     sat::register(module)?;
     remap::register(module)?;
