@@ -7,7 +7,7 @@ use image::{
     ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits,
 };
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Write};
+use std::io::{BufRead, BufReader, BufWriter, Cursor, Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// Extensions of the formats that are read and written.
@@ -52,8 +52,11 @@ fn decode_error(path: &Path, error: ImageError) -> Error {
 fn open(path: &Path) -> Result<ImageReader<BufReader<File>>> {
     let file = File::open(path).map_err(|e| io_error(path, e))?;
     let bytes = file.metadata().map_err(|e| io_error(path, e))?.len();
-    let mut reader =
-        ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(|e| io_error(path, e))?;
+    limited(path, BufReader::new(file), bytes)
+}
+
+fn limited<R: BufRead + Seek>(path: &Path, reader: R, bytes: u64) -> Result<ImageReader<R>> {
+    let mut reader = ImageReader::new(reader).with_guessed_format().map_err(|e| io_error(path, e))?;
     if reader.format().is_none() {
         return Err(file_error(
             path,
@@ -106,7 +109,20 @@ pub fn info(path: impl AsRef<Path>) -> Result<Info> {
 /// pixels than a file of its size can hold.
 pub fn read(path: impl AsRef<Path>) -> Result<Image> {
     let path = path.as_ref();
-    let mut decoder = open(path)?.into_decoder().map_err(|e| decode_error(path, e))?;
+    pixels_of(path, open(path)?)
+}
+
+/// As [`read`], of a file's content; `name` stands for the path in errors.
+///
+/// # Errors
+/// As [`read`].
+pub fn decode(name: impl AsRef<Path>, bytes: &[u8]) -> Result<Image> {
+    let name = name.as_ref();
+    pixels_of(name, limited(name, Cursor::new(bytes), bytes.len() as u64)?)
+}
+
+fn pixels_of<R: BufRead + Seek>(path: &Path, reader: ImageReader<R>) -> Result<Image> {
+    let mut decoder = reader.into_decoder().map_err(|e| decode_error(path, e))?;
     let orientation = decoder.orientation().map_err(|e| decode_error(path, e))?;
     let mut picture = DynamicImage::from_decoder(decoder).map_err(|e| decode_error(path, e))?;
     picture.apply_orientation(orientation);

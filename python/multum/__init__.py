@@ -2,8 +2,10 @@
 
 from . import mapping
 from ._files import ImageInfo, image_info, read_image, write_image
+from ._mesh import Camera, Material, Mesh, MeshImage, Scene, TextureSlot, vertex_normals
 from ._multum import __version__
 from ._pyramid import build_pyramid
+from ._raster import Fragments, rasterize
 from ._sat import SummedAreaTable
 from ._texture import Texture
 from ._threads import get_num_threads, set_num_threads
@@ -11,19 +13,28 @@ from ._warp import remap, resize, warp
 from .mapping import checkerboard
 
 __all__ = [
+    "Camera",
+    "Fragments",
     "ImageInfo",
+    "Material",
+    "Mesh",
+    "MeshImage",
+    "Scene",
     "SummedAreaTable",
     "Texture",
+    "TextureSlot",
     "__version__",
     "build_pyramid",
     "checkerboard",
     "get_num_threads",
     "image_info",
     "mapping",
+    "rasterize",
     "read_image",
     "remap",
     "resize",
     "set_num_threads",
+    "vertex_normals",
     "warp",
     "write_image",
 ]

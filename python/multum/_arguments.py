@@ -64,12 +64,19 @@ def broadcast(argument: str, value: ArrayLike | None, shape: tuple[int, ...]) ->
         ) from None
 
 
-def size_pair(argument: str, value: Sequence[SupportsIndex]) -> tuple[int, int]:
+def size_pair(
+    argument: str, value: Sequence[SupportsIndex], order: str = "(height, width)"
+) -> tuple[int, int]:
     """Two whole numbers of at least 1."""
     try:
         first, second = (operator.index(n) for n in value)
     except (TypeError, ValueError):
-        raise TypeError(f"{argument}: got {value!r}, expected two whole numbers (height, width)") from None
+        raise TypeError(f"{argument}: got {value!r}, expected two whole numbers {order}") from None
     if first < 1 or second < 1:
         raise ValueError(f"{argument}: got {(first, second)}, expected numbers of at least 1")
     return first, second
+
+
+def image_size(value: Sequence[SupportsIndex]) -> tuple[int, int]:
+    """The argument ``size``: width and height."""
+    return size_pair("size", value, "(width, height)")

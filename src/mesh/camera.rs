@@ -134,10 +134,15 @@ impl Camera {
     }
 
     /// Clip-space positions of points in a picture of this size.
-    pub fn project(&self, positions: &[[f32; 3]], width: usize, height: usize) -> Vec<[f64; 4]> {
+    pub fn project<T: Copy + Into<f64>>(
+        &self,
+        positions: &[[T; 3]],
+        width: usize,
+        height: usize,
+    ) -> Vec<[f64; 4]> {
         let m = self.matrix(width, height);
         let row = |r: [f64; 4], [x, y, z]: [f64; 3]| r[0] * x + r[1] * y + r[2] * z + r[3];
-        positions.iter().map(|p| m.map(|r| row(r, p.map(f64::from)))).collect()
+        positions.iter().map(|p| m.map(|r| row(r, p.map(Into::into)))).collect()
     }
 
     /// Where the eye is.

@@ -1,7 +1,7 @@
 //! Normals for meshes that have none.
 
 use super::check_faces;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use std::collections::HashMap;
 
 /// What to do where a file has no normals.
@@ -20,6 +20,17 @@ impl Normals {
     /// All values with their names.
     pub const NAMES: [(&'static str, Self); 3] =
         [("auto", Self::Auto), ("smooth", Self::Smooth), ("flat", Self::Flat)];
+
+    /// The value of this name.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for any other word.
+    pub fn parse(argument: &'static str, name: &str) -> Result<Self> {
+        let found = Self::NAMES.iter().find(|(n, _)| *n == name).map(|(_, value)| *value);
+        found.ok_or_else(|| {
+            Error::value(argument, format!("{name:?}"), "one of \"auto\", \"smooth\", \"flat\"")
+        })
+    }
 }
 
 fn minus(a: [f32; 3], b: [f32; 3]) -> [f64; 3] {

@@ -209,6 +209,39 @@ impl<'py> FloatArray<'py> {
     }
 }
 
+/// Triangles: whole numbers of shape (F, 3), from 0 on.
+pub fn triangles(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
+    let array = ordered(argument, value)?;
+    if !matches!(array.shape(), [_, 3]) {
+        return Err(Error::value(argument, describe(&array), "shape (F, 3)").into());
+    }
+    let dtype = array.dtype();
+    // An empty list is an array of floats for NumPy.
+    if !matches!(dtype.kind(), b'i' | b'u') && array.len() > 0 {
+        return Err(Error::type_(argument, describe(&array), "a dtype of whole numbers").into());
+    }
+    if (dtype.kind(), dtype.itemsize()) == (b'u', 4) {
+        return Ok(slice(&read::<u32>(&array)?)?.as_chunks().0.to_vec());
+    }
+    let wide = array.call_method1("astype", ("int64",))?;
+    let wide = read::<i64>(wide.cast::<PyUntypedArray>()?)?;
+    let numbers = slice(&wide)?;
+    if let Some(bad) = numbers.iter().find(|&&i| u32::try_from(i).is_err()) {
+        return Err(Error::value(argument, format!("index {bad}"), "indices of vertices, from 0 on").into());
+    }
+    let narrow: Vec<u32> = numbers.iter().map(|&i| i as u32).collect();
+    Ok(narrow.as_chunks().0.to_vec())
+}
+
+/// One truth value each.
+pub fn flags(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Vec<bool>> {
+    let array = ordered(argument, value)?;
+    if array.dtype().kind() != b'b' || array.shape().len() != 1 {
+        return Err(Error::type_(argument, describe(&array), "a bool array of one axis").into());
+    }
+    Ok(slice(&read::<bool>(&array)?)?.to_vec())
+}
+
 /// A writable output array of this type and shape.
 pub fn output<'py, T: Element>(
     argument: &'static str,

@@ -13,6 +13,14 @@ fn read_image<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyAny>
     image_array(py, image, flat)
 }
 
+/// The image in a file's content; `name` stands for the path in errors.
+#[pyfunction]
+fn decode_image<'py>(py: Python<'py>, name: &str, data: &[u8]) -> PyResult<Bound<'py, PyAny>> {
+    let image = work(py, None, || files::decode(name, data))?;
+    let flat = image.channels() == 1;
+    image_array(py, image, flat)
+}
+
 /// Writes an image file.
 #[pyfunction]
 fn write_image(py: Python<'_>, path: PathBuf, image: &Bound<'_, PyAny>) -> PyResult<()> {
@@ -31,6 +39,7 @@ fn image_info(py: Python<'_>, path: PathBuf) -> PyResult<(String, usize, usize, 
 /// Adds this topic to the module.
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(read_image, module)?)?;
+    module.add_function(wrap_pyfunction!(decode_image, module)?)?;
     module.add_function(wrap_pyfunction!(write_image, module)?)?;
     module.add_function(wrap_pyfunction!(image_info, module)?)
 }
