@@ -5,6 +5,7 @@ use super::texture::Sampling;
 use crate::encode::{Alpha, Encoding};
 use crate::error::Error;
 use crate::image::{AnyView, Element, Pixels};
+use crate::kernel::remap::Sample;
 use crate::texel::f16;
 use crate::warp::{self, Mapping, Maps, WarpOptions};
 use crate::wrap::Wrap;
@@ -120,7 +121,7 @@ fn warp_image<'py>(
     }
 }
 
-fn warp_typed<'py, T: Element + numpy::Element>(
+fn warp_typed<'py, T: Element + Sample + numpy::Element>(
     py: Python<'py>,
     image: AnyView<'_>,
     flat: bool,

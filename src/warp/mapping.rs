@@ -1,6 +1,7 @@
 //! From output pixels to input pixels, with derivatives.
 
 use super::query_at;
+use super::remap::Map;
 use crate::error::{Error, Result};
 use crate::filter::Query;
 use crate::jacobian::Jacobian;
@@ -87,12 +88,21 @@ impl<U: Copy + Into<f64>> Maps<'_, U> {
     }
 
     fn check(&self, width: usize, height: usize) -> Result<()> {
-        let needed = (width * height - 1) * self.step + 1;
-        if self.x.len() < needed || self.y.len() < needed {
-            let got = format!("{} and {} numbers", self.x.len(), self.y.len());
-            return Err(Error::value("map", got, format!("a place for each of {width}x{height} pixels")));
+        let pixels = width * height;
+        let fits = match self.step {
+            1 => self.x.len() == pixels && self.y.len() == pixels,
+            2 => self.x.len() == 2 * pixels && self.y.len() + 1 == 2 * pixels,
+            _ => false,
+        };
+        if fits {
+            return Ok(());
         }
-        Ok(())
+        let got = format!("{} and {} numbers, {} apart", self.x.len(), self.y.len(), self.step);
+        Err(Error::value(
+            "map",
+            got,
+            format!("one place, 1 or 2 numbers apart, for each of {width}x{height} pixels"),
+        ))
     }
 }
 
@@ -143,17 +153,23 @@ impl Mapping<'_> {
         }
     }
 
-    /// Whether any pixel covers more than one input pixel along some direction.
-    pub(super) fn minifies(&self, width: usize, height: usize) -> bool {
-        let beyond_one = |x: usize, y: usize| {
-            let query = self.query(x, y, width, height);
-            let sigma1 = query.jacobian_tx.sigma1();
-            // Rounding of a pure rotation is not minification; places that are not finite read nothing.
-            (sigma1 > 1.0 + 1e-9 || sigma1.is_nan()) && query.s.is_finite() && query.t.is_finite()
-        };
+    /// The matrix, row by row; the identity for maps.
+    pub(super) fn matrix(&self) -> [f64; 9] {
         match self {
-            Self::Affine(_) => beyond_one(0, 0),
-            _ => (0..height).any(|y| (0..width).any(|x| beyond_one(x, y))),
+            Self::Affine([[a, b, c], [d, e, f]]) => [*a, *b, *c, *d, *e, *f, 0.0, 0.0, 1.0],
+            Self::Projective([[a, b, c], [d, e, f], [g, h, i]]) => [*a, *b, *c, *d, *e, *f, *g, *h, *i],
+            Self::Single(_) | Self::Double(_) => [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+        }
+    }
+
+    /// The same places without footprints; `matrix` is that of [`Mapping::matrix`].
+    pub(super) fn plain<'m>(&'m self, matrix: &'m [f64; 9]) -> Map<'m> {
+        match self {
+            Self::Affine(_) | Self::Projective(_) => Map::Matrix(matrix),
+            Self::Single(maps) if maps.step == 2 => Map::SinglePairs(maps.x),
+            Self::Single(maps) => Map::Single(maps.x, maps.y),
+            Self::Double(maps) if maps.step == 2 => Map::DoublePairs(maps.x),
+            Self::Double(maps) => Map::Double(maps.x, maps.y),
         }
     }
 }

@@ -4,12 +4,14 @@
 //! comes from the map itself, so where the map minifies the result is anti-aliased and where it magnifies it
 //! is the interpolation.
 
-use crate::encode::{Alpha, Encoding, decode};
+use crate::encode::{Alpha, Encoding, Format, decode};
 use crate::error::{Error, Result};
 use crate::filter::{Filter, Query};
-use crate::image::{AnyView, Image, for_any};
+use crate::image::{AnyView, Element, Image, for_any};
 use crate::jacobian::Jacobian;
+use crate::kernel::remap::Sample;
 use crate::sampler::Sampler;
+use crate::texel::DType;
 use crate::texture::{Texture, TextureOptions};
 use crate::wrap::Wrap;
 
@@ -17,6 +19,7 @@ mod mapping;
 pub mod remap;
 
 pub use mapping::{Mapping, Maps};
+use remap::{Edge, Grid, Interpolation, Job, Outside, Source, interpolate};
 
 /// How an image is warped.
 #[derive(Clone, Debug)]
@@ -83,7 +86,7 @@ pub fn warp(
 ///
 /// # Errors
 /// As [`warp`], and [`Error::Value`] when `out` has another length or type than the result.
-pub fn warp_into<T: crate::image::Element>(
+pub fn warp_into<T: Element + Sample>(
     image: AnyView<'_>,
     mapping: &Mapping<'_>,
     width: usize,
@@ -100,14 +103,57 @@ pub fn warp_into<T: crate::image::Element>(
         let expected = format!("{} elements of {}", width * height * channels, dtype.name());
         return Err(Error::value("out", got, expected));
     }
-    let texture = texture(image, options)?;
+    let matrix = mapping.matrix();
+    let plain = mapping.plain(&matrix);
     let mut sampler = options.sampler;
-    if sampler.filter.uses_levels() && !mapping.minifies(width, height) {
+    if sampler.filter.uses_levels() && !plain.minifies(width, height)? {
         // Nothing to average anywhere: every filter is its reconstruction, and no level is needed.
         sampler.filter = Filter::Bilinear;
     }
+    let format = Format::new(options.encoding, options.alpha, channels)?;
+    let border = border_codes(image.dtype(), channels, options)?;
+    let interpolation = match sampler.filter {
+        Filter::Bilinear => Some(Interpolation::Bilinear),
+        Filter::Bicubic => Some(Interpolation::Bicubic(-0.5)),
+        _ => None,
+    };
+    if let (Some(interpolation), Encoding::Linear, false, Some(view)) =
+        (interpolation, format.encoding, format.multiplies(), T::of_view(&image))
+    {
+        // Codes may be interpolated as they stand.
+        let source = Source::new(view.data(), view.width(), view.height(), channels, view.row_stride())?;
+        let border: Vec<T> = border.iter().map(|b| T::from_f64(*b)).collect();
+        let job = Job::new(source, interpolation, options.wrap.map(edge), &border, Outside::Colour)?;
+        return interpolate(&job, &plain, Grid::Exact, width, out);
+    }
+    let texture = texture(image, format, &border, options)?;
     let places = |i: usize| (mapping.query(i % width, i / width, width, height), None);
     sampler.sample_codes(&texture, width * height, &places, out)
+}
+
+/// The kernels' word for a wrap mode. [`Wrap::Extend`] needs a texture of its own, and has been refused.
+fn edge(wrap: Wrap) -> Edge {
+    match wrap {
+        Wrap::Clamp | Wrap::Extend => Edge::Clamp,
+        Wrap::Repeat => Edge::Repeat,
+        Wrap::Mirror => Edge::Mirror,
+        Wrap::MirrorOnce => Edge::MirrorOnce,
+        Wrap::Mirror101 => Edge::Mirror101,
+        Wrap::Border => Edge::Border,
+    }
+}
+
+/// The border colour, one code a channel.
+fn border_codes(dtype: DType, channels: usize, options: &WarpOptions) -> Result<Vec<f64>> {
+    if options.wrap.contains(&Wrap::Extend) {
+        return Err(Error::value("wrap", "\"extend\"", "another mode; only textures have extra texels"));
+    }
+    if options.border.len() > channels || options.border.iter().any(|b| !b.is_finite()) {
+        let expected = format!("at most {channels} finite numbers, one a channel");
+        return Err(Error::value("border", format!("{:?}", options.border), expected));
+    }
+    let (low, high) = if dtype.is_integer() { (0.0, dtype.full_scale()) } else { (f64::MIN, f64::MAX) };
+    Ok((0..channels).map(|c| options.border.get(c).copied().unwrap_or(0.0).clamp(low, high)).collect())
 }
 
 /// The share of each output pixel that lies inside the image: 0 to 1, with the same filter as the image;
@@ -127,27 +173,24 @@ pub fn coverage(
     let ones = vec![255u8; image_size[0] * image_size[1]];
     let white = Image::new(image_size[0], image_size[1], 1, ones)?;
     let options =
-        WarpOptions { border: Vec::new(), encoding: Encoding::Linear, alpha: Alpha::None, ..options.clone() };
-    let texture = texture(white.view(), &options)?;
+        WarpOptions { border: vec![0.0], encoding: Encoding::Linear, alpha: Alpha::None, ..options.clone() };
+    let format = Format::new(options.encoding, options.alpha, 1)?;
+    let texture = texture(white.view(), format, &options.border, &options)?;
     let mut out = vec![0f32; width * height];
     let places = |i: usize| (mapping.query(i % width, i / width, width, height), None);
     options.sampler.sample_places(&texture, width * height, &places, &mut out)?;
     Image::new(width, height, 1, out)
 }
 
-/// The image as a texture, borrowed where its codes can be read as they stand.
-fn texture<'a>(image: AnyView<'a>, options: &WarpOptions) -> Result<Texture<'a>> {
-    let channels = image.channels();
-    let format = crate::encode::Format::new(options.encoding, options.alpha, channels)?;
-    if options.border.len() > channels || options.border.iter().any(|b| !b.is_finite()) {
-        let expected = format!("at most {channels} finite numbers, one a channel");
-        return Err(Error::value("border", format!("{:?}", options.border), expected));
-    }
-    let mut border: Vec<f64> = (0..channels)
-        .map(|c| {
-            let code = options.border.get(c).copied().unwrap_or(0.0);
-            decode(format.channel_encoding(c), image.dtype(), code)
-        })
+/// The image as a texture, borrowed where its codes can be read as they stand; `border` is in codes.
+fn texture<'a>(
+    image: AnyView<'a>,
+    format: Format,
+    border: &[f64],
+    options: &WarpOptions,
+) -> Result<Texture<'a>> {
+    let mut border: Vec<f64> = (border.iter().enumerate())
+        .map(|(c, code)| decode(format.channel_encoding(c), image.dtype(), *code))
         .collect();
     if format.multiplies()
         && let Some((alpha, colour)) = border.split_last_mut()
