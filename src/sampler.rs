@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::filter::{
     Cubic, Filter, Query, Reader, anisotropic, bicubic, bicubic_gradient, bilinear, bilinear_gradient,
 };
-use crate::filter::{mipmap, nearest};
+use crate::filter::{exact, mipmap, nearest, stochastic};
 use crate::image::Element;
 use crate::jacobian::Jacobian;
 use crate::lod::LodRule;
@@ -32,6 +32,8 @@ pub struct Sampler {
     pub lod_rule: LodRule,
     /// Largest error of [`Filter::Auto`], in units of the result; `None` for its default.
     pub tolerance: Option<f64>,
+    /// Seed of [`Filter::Stochastic`]: the same seed gives the same samples.
+    pub seed: u64,
 }
 
 impl Default for Sampler {
@@ -42,6 +44,7 @@ impl Default for Sampler {
             lod_bias: 0.0,
             lod_rule: LodRule::Major,
             tolerance: None,
+            seed: 0,
         }
     }
 }
@@ -220,7 +223,7 @@ impl Sampler {
                 }
                 Extent::Lod(lod) => (Jacobian::ZERO, Some(lod[i])),
             };
-            (Query { s, t, jacobian_tx }, lod)
+            (Query { s, t, jacobian_tx, index: i as u64 }, lod)
         };
         self.sample_places(texture, samples, &places, out)
     }
@@ -315,6 +318,10 @@ impl Sampler {
             Filter::Bilinear => bilinear(r, 0, s, t),
             Filter::Bicubic => bicubic(r, Cubic::CATMULL_ROM, s, t),
             Filter::Mitchell => bicubic(r, Cubic::MITCHELL, s, t),
+            Filter::Exact => exact(r, &query.with_lod(lod, self.lod_bias)),
+            Filter::Stochastic => stochastic(r, &query.with_lod(lod, self.lod_bias), self.seed),
+            // Nothing to weigh: the error of the exact mean is rounding.
+            Filter::Auto if self.tolerance.is_some() => exact(r, &query.with_lod(lod, self.lod_bias)),
             Filter::Auto | Filter::Anisotropic if lod.is_none() => {
                 anisotropic(r, query, self.max_anisotropy, self.lod_bias)
             }

@@ -9,14 +9,19 @@ use crate::texture::{Decode, Layers};
 mod anisotropic;
 mod bicubic;
 mod bilinear;
+mod exact;
 mod mipmap;
 mod nearest;
+mod rows;
+mod stochastic;
 
 pub(crate) use anisotropic::anisotropic;
 pub(crate) use bicubic::{Cubic, bicubic, bicubic_gradient};
 pub(crate) use bilinear::{bilinear, bilinear_gradient};
+pub(crate) use exact::exact;
 pub(crate) use mipmap::mipmap;
 pub(crate) use nearest::nearest;
+pub(crate) use stochastic::stochastic;
 
 /// Which filter a sampler uses. Names in Python are those of [`Filter::NAMES`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -42,6 +47,10 @@ pub enum Filter {
     Trilinear,
     /// Trilinear probes along the footprint's major axis.
     Anisotropic,
+    /// The mean of the bilinear reconstruction over the footprint, exact to rounding.
+    Exact,
+    /// One random texel whose expectation is [`Filter::Exact`].
+    Stochastic,
 }
 
 impl Filter {
@@ -58,6 +67,8 @@ impl Filter {
         ("trilinear", Self::Trilinear),
         ("linear_mipmap_linear", Self::Trilinear),
         ("anisotropic", Self::Anisotropic),
+        ("exact", Self::Exact),
+        ("stochastic", Self::Stochastic),
     ];
 
     /// The filter of this name.
@@ -73,7 +84,18 @@ impl Filter {
 
     /// Whether the filter reads levels beyond the first.
     pub fn uses_levels(self) -> bool {
-        !matches!(self, Self::Nearest | Self::Bilinear | Self::Bicubic | Self::Mitchell)
+        !matches!(
+            self,
+            Self::Nearest | Self::Bilinear | Self::Bicubic | Self::Mitchell | Self::Stochastic
+        )
+    }
+
+    /// Whether the filter is the bilinear reconstruction wherever the footprint is at most a texel.
+    pub fn magnifies_bilinearly(self) -> bool {
+        matches!(
+            self,
+            Self::Auto | Self::Bilinear | Self::LinearMipmapNearest | Self::Trilinear | Self::Anisotropic
+        )
     }
 }
 
@@ -86,6 +108,23 @@ pub(crate) struct Query {
     pub t: f64,
     /// Texels per pixel.
     pub jacobian_tx: Jacobian,
+    /// Which sample of its batch it is: what tells random numbers apart.
+    pub index: u64,
+}
+
+impl Query {
+    /// The footprint grown by `bias` octaves; a level of detail given outright makes it a square.
+    pub fn with_lod(self, lod: Option<f32>, bias: f32) -> Self {
+        if lod.is_none() && bias == 0.0 {
+            return self;
+        }
+        let (jacobian, octaves) = match lod {
+            Some(lod) => (Jacobian::IDENTITY, f64::from(lod) + f64::from(bias)),
+            None => (self.jacobian_tx, f64::from(bias)),
+        };
+        let scale = octaves.exp2();
+        Self { jacobian_tx: jacobian.scaled(scale, scale), ..self }
+    }
 }
 
 /// One group of channels, opened for reading: texels by wrapped index, decoded.
