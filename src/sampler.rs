@@ -149,6 +149,12 @@ impl Sampler {
         Self { filter, ..Self::default() }
     }
 
+    /// Whether every sample with a footprint of at most a texel is the bilinear reconstruction at its centre.
+    pub fn magnifies_bilinearly(&self) -> bool {
+        // A tolerance is about the mean over the footprint, however small.
+        self.filter.magnifies_bilinearly() && !(self.filter == Filter::Auto && self.tolerance.is_some())
+    }
+
     /// Checks the options.
     ///
     /// # Errors
@@ -223,7 +229,7 @@ impl Sampler {
                 }
                 Extent::Lod(lod) => (Jacobian::ZERO, Some(lod[i])),
             };
-            (Query { s, t, jacobian_tx, index: i as u64 }, lod)
+            (Query { s, t, jacobian_tx, index: 0 }, lod)
         };
         self.sample_places(texture, samples, &places, out)
     }
@@ -281,7 +287,11 @@ impl Sampler {
             let run = || {
                 par::for_each(tiles, |tile, out| {
                     let out = Slots { out, channels, group };
-                    let places = |k| places(tile * TILE + k);
+                    let places = |k| {
+                        let index = tile * TILE + k;
+                        let (query, lod) = places(index);
+                        (Query { index: index as u64, ..query }, lod)
+                    };
                     if layers.decoder.is_plain() {
                         let reader = Reader::new(&layers, Plain { full_scale: layers.decoder.full_scale });
                         out.fill(places, |q, lod| {

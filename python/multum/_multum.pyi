@@ -32,6 +32,7 @@ class Sampling:
         lod_bias: float,
         lod_rule: str,
         tolerance: float | None,
+        seed: int,
         threads: int | None,
     ) -> Self: ...
 

@@ -217,7 +217,9 @@ class Texture:
         filter : str
             ``"auto"`` (default), ``"nearest"``, ``"bilinear"``, ``"bicubic"`` (Catmull-Rom), ``"mitchell"``,
             ``"nearest_mipmap_nearest"``, ``"linear_mipmap_nearest"``, ``"nearest_mipmap_linear"``,
-            ``"trilinear"`` (also named ``"linear_mipmap_linear"``), ``"anisotropic"``.
+            ``"trilinear"`` (also named ``"linear_mipmap_linear"``), ``"anisotropic"``, ``"exact"`` (the mean of
+            the bilinear reconstruction over the footprint, to rounding), ``"stochastic"`` (one random texel a
+            sample, whose expectation is that mean).
         max_anisotropy : float, optional
             Longest footprint, in widths, that ``"anisotropic"`` follows; None for no limit.
         lod_bias : float
@@ -228,7 +230,7 @@ class Texture:
         tolerance : float, optional
             Largest error that ``"auto"`` may make.
         seed : int, optional
-            Seed of stochastic filters.
+            Seed of ``"stochastic"``, modulo 2^64; default 0. The same seed gives the same samples.
         out : array, shape (..., C), optional
             Receives the result; C-contiguous, of the result's dtype.
         threads : int, optional
@@ -263,10 +265,9 @@ class Texture:
             lod_bias,
             lod_rule,
             tolerance,
+            (count("seed", seed, least=0) or 0) % 2**64,
             count("threads", threads),
         )
-        if seed is not None:
-            count("seed", seed, least=0)
         return self._texture.sample(
             places,
             broadcast("jacobian", jacobian, (*leading, 2, 2)),

@@ -275,7 +275,7 @@ def _options(
         raise ValueError(f"image: got shape {pixels.shape}, expected (H, W) or (H, W, C)")
     channels = pixels.shape[2] if pixels.ndim == 3 else 1
     limit = np.inf if max_anisotropy is None else float(max_anisotropy)
-    sampling = _multum.Sampling(filter, limit, 0.0, "major", tolerance, count("threads", threads))
+    sampling = _multum.Sampling(filter, limit, 0.0, "major", tolerance, 0, count("threads", threads))
     return _multum.Warping(sampling, wrap_pair(wrap), numbers("border", border, channels), encoding, alpha)
 
 

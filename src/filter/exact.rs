@@ -14,7 +14,6 @@
 
 use super::rows::{Bounds, Scratch, Slabs, Weights, lifted, walk};
 use super::{Query, Reader, bilinear};
-use crate::jacobian::Jacobian;
 use crate::num::{Real, floor};
 use crate::texel::Texel;
 use crate::texture::Decode;
@@ -117,15 +116,48 @@ impl Sum {
             let weight = row.weights.iter().sum();
             return self.add(weight, r.outside());
         };
-        let (first, last) = (row.first, row.first + row.weights.len() as i64 - 1);
-        if first >= plane.columns.0.into() && last <= plane.columns.1.into() && y >= plane.rows.0 && y <= plane.rows.1 {
-            for (x, weight) in (first as i32..).zip(row.weights) {
+        let (left, right) = (row.middle.start, row.middle.end);
+        let period = r.layers.wrap[0].period(plane.width.into()).map_or(usize::MAX, |p| p as usize);
+        if right.saturating_sub(left) <= period {
+            return self.texels(r, level, y, row.first, row.weights);
+        }
+        // Whole periods of one weight: a period, that many times.
+        let whole = (right - left) / period;
+        let weight = row.weights[left];
+        let rest = left + whole * period;
+        self.texels(r, level, y, row.first, &row.weights[..left]);
+        let mut once = Self { total: [0.0; 4], weight: 0.0, ..*self };
+        for x in row.first + left as i64..row.first + (left + period) as i64 {
+            once.add(1.0, r.tap(level, x as i32, y));
+        }
+        let times = weight * whole as f64;
+        self.weight += times * once.weight;
+        for (total, once) in self.total.iter_mut().zip(once.total) {
+            *total += times * once;
+        }
+        self.texels(r, level, y, row.first + rest as i64, &row.weights[rest..]);
+    }
+
+    /// Texels of row `y` from `first` on, each with its weight.
+    fn texels<T: Texel, D: Decode<T>>(
+        &mut self,
+        r: &Reader<'_, T, D>,
+        level: usize,
+        y: i32,
+        first: i64,
+        weights: &[f64],
+    ) {
+        let plane = &r.layers.planes[level];
+        let last = first + weights.len() as i64 - 1;
+        let inside = first >= plane.columns.0.into() && last <= plane.columns.1.into();
+        if inside && y >= plane.rows.0 && y <= plane.rows.1 {
+            for (x, weight) in (first as i32..).zip(weights) {
                 if *weight != 0.0 {
                     self.add(*weight, r.decode.texel(plane.texel(x, y)));
                 }
             }
         } else {
-            for (x, weight) in (first..).zip(row.weights) {
+            for (x, weight) in (first..).zip(weights) {
                 if *weight != 0.0 {
                     self.add(*weight, r.tap(level, x as i32, y));
                 }

@@ -241,9 +241,8 @@ impl Walk<'_> {
                 continue;
             }
             let (mid, half) = (0.5 * (y + end), 0.5 * (end - y));
-            let cells = [left, right].map(|side| {
-                floor((centre + at(side, mid)).clamp(self.x.first - 1.0, self.x.last))
-            });
+            let cells = [left, right]
+                .map(|side| floor((centre + at(side, mid)).clamp(self.x.first - 1.0, self.x.last)));
             for node in [-GAUSS, GAUSS] {
                 let v = mid + half * node;
                 let weight = half * at(density, v);

@@ -1,8 +1,8 @@
 //! Stochastic: one random texel, whose expectation is the mean of the bilinear reconstruction over the footprint.
 //!
 //! Two uniform numbers choose a point of the footprint, two more one of the four texels around it with its
-//! bilinear weight: texel `floor(x + xi)` with `x` from the centre of texel 0. Source: A. Vasconcelos, M. Pharr and
-//! others, "Stochastic texture filtering", I3D 2024.
+//! bilinear weight: texel `floor(x + xi)` with `x` from the centre of texel 0. Source: M. Pharr, B. Wronski,
+//! M. Salvi, M. Fajardo, "Filtering after shading with stochastic texture filtering", I3D 2024.
 //!
 //! The numbers depend on the seed and on the sample's place in its batch alone: 64 bits each from the finaliser of
 //! SplitMix64 (G. Steele, D. Lea, C. Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014) over

@@ -32,13 +32,15 @@ pub struct Sampling {
 #[pymethods]
 impl Sampling {
     #[new]
-    #[pyo3(signature = (filter, max_anisotropy, lod_bias, lod_rule, tolerance, threads))]
+    #[allow(clippy::too_many_arguments, reason = "one for each keyword of the Python functions")]
+    #[pyo3(signature = (filter, max_anisotropy, lod_bias, lod_rule, tolerance, seed, threads))]
     fn new(
         filter: &str,
         max_anisotropy: f64,
         lod_bias: f32,
         lod_rule: &str,
         tolerance: Option<f64>,
+        seed: u64,
         threads: Option<usize>,
     ) -> PyResult<Self> {
         let sampler = Sampler {
@@ -47,6 +49,7 @@ impl Sampling {
             lod_bias,
             lod_rule: LodRule::parse(lod_rule)?,
             tolerance,
+            seed,
         };
         sampler.check()?;
         Ok(Self { sampler, threads })

@@ -106,8 +106,8 @@ pub fn warp_into<T: Element + Sample>(
     let matrix = mapping.matrix();
     let plain = mapping.plain(&matrix);
     let mut sampler = options.sampler;
-    if sampler.filter.uses_levels() && !plain.minifies(width, height)? {
-        // Nothing to average anywhere: every filter is its reconstruction, and no level is needed.
+    if sampler.magnifies_bilinearly() && !plain.minifies(width, height)? {
+        // Nothing to average anywhere: these filters are their reconstruction, and no level is needed.
         sampler.filter = Filter::Bilinear;
     }
     let format = Format::new(options.encoding, options.alpha, channels)?;
@@ -221,5 +221,5 @@ pub fn resize_mapping(from: [usize; 2], to: [usize; 2]) -> Mapping<'static> {
 
 /// A query at the input pixel (x, y), whose centre is half a texel from its corner.
 fn query_at(x: f64, y: f64, jacobian_tx: Jacobian) -> Query {
-    Query { s: x + 0.5, t: y + 0.5, jacobian_tx }
+    Query { s: x + 0.5, t: y + 0.5, jacobian_tx, index: 0 }
 }
