@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn scaling_is_exact_at_every_size() {
         for exponent in [-1074, -1030, -500, 0, 3, 1023] {
-            let x = 2f64.powi(exponent) * if exponent > -1022 { 1.75 } else { 1.0 };
+            let x = f64::exp2(f64::from(exponent)) * if exponent > -1022 { 1.75 } else { 1.0 };
             let (p, _) = scaled(DVec3::new(0.0, -x, x), [DVec3::ZERO; 2]).expect("a direction");
             assert!(p.y == -p.z && p.z > 0.0 && p.z < 2.0);
         }
