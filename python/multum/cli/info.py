@@ -73,7 +73,6 @@ def _range(image: NDArray[Any]) -> str:
 
 
 def _bytes(count: int) -> str:
-    for unit in ("bytes", "kB"):
-        if count < 1000 or unit == "kB" and count < 1_000_000:
-            return f"{count} bytes" if unit == "bytes" else f"{count / 1000:.1f} kB"
-    return f"{count / 1_000_000:.1f} MB"
+    if count < 1000:
+        return f"{count} bytes"
+    return f"{count / 1e3:.1f} kB" if count < 1e6 else f"{count / 1e6:.1f} MB"

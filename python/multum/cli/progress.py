@@ -17,6 +17,7 @@ class Progress:
     """
 
     def __init__(self, steps: int, stream: TextIO | None = None) -> None:
+        """Count to ``steps``; standard error is the default stream."""
         self._stream = sys.stderr if stream is None else stream
         self._steps, self._done, self._name = steps, 0, ""
         self._start = time.monotonic()

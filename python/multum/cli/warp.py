@@ -80,7 +80,8 @@ def run(options: argparse.Namespace) -> None:
         else:
             shape = shape or (height, width)
             mapping = corners_matrix(numbers(options.corners), shape)
-        return _warp.warp(image, mapping, shape, **keywords)
+        warped: NDArray[Any] = _warp.warp(image, mapping, shape, **keywords)
+        return warped
 
     transform(options, "warping", work)
 

@@ -24,7 +24,7 @@ def homography(scale: float) -> Figure:
     width, height = round(360 * scale), round(270 * scale)
     sheet = np.array([[0.40, 0.08], [0.76, 0.16], [0.98, 0.94], [0.02, 0.86]]) * [width, height]
     inside = corners_matrix([float(v) for v in sheet.ravel()], image.shape[:2])
-    matrix = np.linalg.inv(inside)
+    matrix = np.asarray(np.linalg.inv(inside), dtype=np.float64)
     shape = (height, width)
     exact = truth(image, matrix, shape, repeat=False)
     other = peers.plain_warp(image, matrix, shape, repeat=False)
@@ -151,7 +151,7 @@ def levels_of_detail(scale: float) -> Figure:
     size = np.array([texture.width, texture.height])
     uv = (place + 0.5) / size
     jacobian = footprint(matrix, x, y) / size[:, None]
-    cases = [
+    cases: list[tuple[str, dict[str, Any]]] = [
         ("trilinear, level by area", {"filter": "trilinear", "lod_rule": "area"}),
         ("trilinear, level by longest axis", {"filter": "trilinear", "lod_rule": "major"}),
         ("anisotropic", {"filter": "anisotropic"}),

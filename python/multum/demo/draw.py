@@ -58,4 +58,4 @@ def _with_labels(canvas: Codes, labels: list[tuple[int, int, str, str]]) -> Code
     agg.draw()
     drawn: NDArray[Any] = np.asarray(agg.buffer_rgba())[..., :3]
     # Text is black on white: the darker of both keeps the panels as they are.
-    return np.minimum(canvas, drawn)
+    return np.asarray(np.minimum(canvas, drawn), dtype=np.uint8)

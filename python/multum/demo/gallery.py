@@ -89,9 +89,9 @@ def pyramid(scale: float) -> Figure:
     return Figure(
         "pyramid",
         "Much in little: the pyramid",
-        "Each level has half the size of the one before, rounded down, and each of its texels is the mean of exactly "
-        "the area that it stands for, so that nothing drifts at odd sizes. Filters read the level whose texels are as "
-        "large as the pixel's footprint.",
+        "Each level has half the size of the one before, rounded down, and each of its texels is the mean of "
+        "exactly the area that it stands for, so that nothing drifts at odd sizes. Filters read the level whose "
+        "texels are as large as the pixel's footprint.",
         [[Panel(nested, "the picture and its levels", f"{width} x {height}, {len(levels)} levels")], even],
         measured,
     )
@@ -126,8 +126,9 @@ def linear_light(scale: float) -> Figure:
     return Figure(
         "linear_light",
         "Averages of light",
-        "From afar, black and white checkers look like the plain field beside them, which has half the light (code 188); "
-        "one white stripe in four looks like code 137. Reduced 8 times, the average of the sRGB codes is too dark; "
+        "From afar, black and white checkers look like the plain field beside them, which has half the light "
+        "(code 188); one white stripe in four looks like code 137. Reduced 8 times, the average of the sRGB codes "
+        "is too dark; "
         'with encoding="srgb" the average is taken of the light itself, and both fields agree.',
         [panels],
         [f"checkers of 0 and 255 reduced: {middle[0]} by codes, {middle[1]} by light"],

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from .._warp import remap
 
+cv2: Any
 try:
     import cv2
 except ImportError:
