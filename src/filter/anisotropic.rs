@@ -37,6 +37,10 @@ pub(crate) fn anisotropic<T: Texel, D: Decode<T>>(
     // The weights sum to the ratio: all but the outermost are 1.
     let inner = k - 1.0;
     let second_moment = inner * (inner + 1.0) * (2.0 * inner + 1.0) / 3.0 + 2.0 * weight(k) * k * k;
+    if second_moment == 0.0 {
+        // A ratio within an ulp of 1: the outer probes have no weight.
+        return mipmap(r, Filter::Trilinear, query.s, query.t, lod);
+    }
     let spacing = width * ((ratio * ratio - 1.0) / 12.0 / (second_moment / ratio)).sqrt();
     let step = axes.major.map(|m| m * spacing);
     let mut sum = [T::Real::ZERO; 4];
