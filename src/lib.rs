@@ -33,6 +33,8 @@ pub mod mapping;
 pub mod mesh;
 pub mod raster;
 
+pub mod oracle;
+
 #[cfg(feature = "python")]
 pub mod python;
 

@@ -1,6 +1,6 @@
 """Texture sampling and filtering on the CPU."""
 
-from . import mapping
+from . import mapping, reference
 from ._files import ImageInfo, image_info, read_image, write_image
 from ._mesh import Camera, Material, Mesh, MeshImage, Scene, TextureSlot, vertex_normals
 from ._multum import __version__
@@ -31,6 +31,7 @@ __all__ = [
     "mapping",
     "rasterize",
     "read_image",
+    "reference",
     "remap",
     "resize",
     "set_num_threads",

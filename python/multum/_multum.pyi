@@ -1,6 +1,6 @@
 """The compiled part."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Self, final
 
 import numpy as np
@@ -251,3 +251,25 @@ def rasterize(
     samples: int,
     threads: int | None,
 ) -> Fragments: ...
+def reference_sample(
+    image: ArrayLike,
+    uv: ArrayLike,
+    jacobian: ArrayLike | None,
+    description: tuple[str, str, list[float], str, str, str],
+    filter: tuple[str, float],
+    tolerance: float,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+def reference_quad(
+    image: ArrayLike,
+    corners: ArrayLike,
+    description: tuple[str, str, list[float], str, str, str],
+) -> NDArray[np.float64]: ...
+def reference_warp(
+    image: ArrayLike,
+    matrix: list[list[float]] | None,
+    mapping: Callable[..., Any] | None,
+    shape: tuple[int, int],
+    description: tuple[str, str, list[float], str, str, str],
+    filter: tuple[str, float],
+    tolerance: float,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...

@@ -9,6 +9,7 @@ mod mapping;
 mod mesh;
 mod pyramid;
 mod raster;
+mod reference;
 mod remap;
 mod sat;
 mod texture;
@@ -29,5 +30,6 @@ fn _multum(module: &Bound<'_, PyModule>) -> PyResult<()> {
     texture::register(module)?;
     threads::register(module)?;
     warp::register(module)?;
+    reference::register(module)?;
     Ok(())
 }
