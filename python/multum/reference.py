@@ -233,9 +233,10 @@ def warp(
 
     >>> import numpy as np
     >>> from multum import reference
-    >>> reference.warp(np.eye(4), [[2, 0, 0.5], [0, 2, 0.5]], (2, 2), wrap="clamp").round(4)
-    array([[0.5   , 0.0677],
-           [0.0677, 0.5   ]])
+    >>> half = [[2, 0, 0.5], [0, 2, 0.5]]   # 2 by 2 texels a pixel: (1 7 7 1)/16 on each axis
+    >>> reference.warp(np.eye(4), half, (2, 2), wrap="clamp") * 256
+    array([[114.,  14.],
+           [ 14., 114.]])
     """
     description = _describe(wrap, border, encoding, alpha, reconstruction)
     if shape is None:

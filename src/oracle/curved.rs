@@ -2,9 +2,9 @@
 //!
 //! A square of the pixel is integrated twice, exactly, for the map's linear interpolant on 2 and on 8
 //! triangles. The map, not the texture, is what is approximated, so the cost follows the map's curvature and
-//! not the number of texels. The error falls with the square of the side; where the two results differ by
-//! more than the tolerance the square is cut in four, elsewhere the difference is extrapolated (Richardson)
-//! and reported.
+//! not the number of texels. The error falls with the square of the side, so a third of the difference is
+//! added (Richardson) and all of it reported. While a pixel's estimate is above the tolerance, those of its
+//! squares that have more than their share of it are cut in four.
 
 use super::crew::Crew;
 use super::integral::{Integrator, Map};
@@ -45,6 +45,51 @@ struct Outcome {
     /// Quadrature error of the fine one, and all that was too large to be cut.
     error: f64,
     flat: bool,
+}
+
+impl Outcome {
+    /// What the finer triangles changed, channel by channel.
+    fn changes(&self) -> impl Iterator<Item = f64> + '_ {
+        self.fine.iter().zip(&self.coarse).map(|(fine, coarse)| fine - coarse)
+    }
+
+    fn worst(&self) -> f64 {
+        self.changes().fold(0.0, |most: f64, change| most.max(change.abs()))
+    }
+}
+
+/// One pixel's squares that need no more cutting.
+#[derive(Clone, Debug)]
+struct Tally {
+    sum: Vec<f64>,
+    /// Sum of the changes and of their squares, channel by channel.
+    changes: Vec<[f64; 2]>,
+    error: f64,
+    spent: u32,
+}
+
+impl Tally {
+    fn new(channels: usize) -> Self {
+        Self { sum: vec![0.0; channels], changes: vec![[0.0; 2]; channels], error: 0.0, spent: 0 }
+    }
+
+    /// Adds a square. The error falls with the square of the side, so a third of the last change is missing.
+    fn accept(&mut self, outcome: &Outcome) {
+        let parts = self.sum.iter_mut().zip(&mut self.changes).zip(&outcome.fine);
+        for (((sum, changes), fine), change) in parts.zip(outcome.changes()) {
+            *sum += fine + change / 3.0;
+            changes[0] += change;
+            changes[1] += change * change;
+        }
+        self.error += outcome.error;
+    }
+
+    /// The change of the whole pixel, which is the classical estimate, and the root of the sum of the
+    /// squared changes, in case they cancel by chance.
+    fn error(&self) -> f64 {
+        let change = |[sum, squares]: &[f64; 2]| sum.abs() + squares.sqrt();
+        self.changes.iter().map(change).fold(0.0, f64::max) + self.error
+    }
 }
 
 impl Square {
@@ -93,31 +138,34 @@ impl Signal {
         for start in (0..width * height).step_by(BLOCK) {
             let count = BLOCK.min(width * height - start);
             let center = |i: usize| [((start + i) % width) as f64, ((start + i) / width) as f64];
-            let mut sums = vec![0.0; count * channels];
-            let mut errors = vec![0.0; count];
+            let mut tallies = vec![Tally::new(channels); count];
             let mut squares: Vec<Square> = (0..count)
                 .flat_map(|i| pixel.squares.iter().map(move |&[from, to]| (i, from, to)))
                 .map(|(i, from, to)| Square { pixel: i, from, side: to[0] - from[0], depth: 0 })
                 .collect();
-            let mut spent = vec![0u32; count];
             while !squares.is_empty() {
                 let outcomes = self.integrate_squares(map, &squares, &center, pixel, tolerance, crew)?;
+                let mut open = tallies.clone();
+                let mut coarse = vec![false; count];
+                for (square, outcome) in squares.iter().zip(&outcomes) {
+                    open[square.pixel].accept(outcome);
+                    coarse[square.pixel] |= square.depth == 0 || !outcome.flat;
+                }
+                let done: Vec<_> =
+                    open.iter().zip(coarse).map(|(t, c)| !c && t.error() <= tolerance).collect();
                 let mut next = Vec::new();
-                for (square, outcome) in squares.iter().zip(outcomes) {
-                    let i = square.pixel;
-                    let differences = outcome.fine.iter().zip(&outcome.coarse).map(|(f, c)| f - c);
-                    let worst = differences.clone().fold(0.0, |m: f64, d| m.max(d.abs()));
+                for (square, outcome) in squares.iter().zip(&outcomes) {
+                    let tally = &mut tallies[square.pixel];
                     let share = square.side * square.side / area;
-                    let close = outcome.flat && worst + outcome.error <= tolerance * share;
-                    if close || square.depth >= DEEPEST || spent[i] >= SQUARE_BUDGET {
-                        let extrapolation = if close { 1.0 / 3.0 } else { 0.0 };
-                        let sum = &mut sums[i * channels..][..channels];
-                        for ((s, f), d) in sum.iter_mut().zip(&outcome.fine).zip(differences) {
-                            *s += f + extrapolation * d;
-                        }
-                        errors[i] += worst + outcome.error;
+                    let small = outcome.flat
+                        && square.depth > 0
+                        && outcome.worst() <= 0.25 * tolerance * share.sqrt()
+                        && outcome.error <= 0.25 * tolerance * share;
+                    if done[square.pixel] || small || square.depth >= DEEPEST || tally.spent >= SQUARE_BUDGET
+                    {
+                        tally.accept(outcome);
                     } else {
-                        spent[i] += 4;
+                        tally.spent += 4;
                         next.extend(square.parts());
                     }
                 }
@@ -125,12 +173,13 @@ impl Signal {
             }
             if pixel.squares.is_empty() {
                 let centers: Vec<_> = (0..count).map(center).collect();
-                for (sum, at) in sums.chunks_mut(channels).zip(ask(map, &centers)?) {
-                    sum.copy_from_slice(&self.point([at[0] + 0.5, at[1] + 0.5]));
+                for (tally, at) in tallies.iter_mut().zip(ask(map, &centers)?) {
+                    tally.sum = self.point([at[0] + 0.5, at[1] + 0.5]);
                 }
             }
-            for (sum, error) in sums.chunks(channels).zip(errors) {
-                let estimate = self.finish(sum.to_vec(), error);
+            for tally in tallies {
+                let error = tally.error();
+                let estimate = self.finish(tally.sum, error);
                 field.values.extend(estimate.values);
                 field.errors.push(estimate.error);
             }
