@@ -220,9 +220,9 @@ def warp(
     """Warp a picture: the integral over each *output* pixel's square, seen through ``mapping``.
 
     ``mapping`` takes output pixels (x, y) to input pixels (x, y), centres at integers on both: a 2x3 or 3x3
-    matrix, or a callable from (N, 2) float64 to (N, 2). ``shape`` is (height, width) of the output, by default
-    that of ``image``. Returns (height, width, C) float64, or (height, width) for an image without channels;
-    with ``return_error`` also the estimated error (height, width).
+    matrix, or a callable from (N, 2) float64 to (N, 2). ``shape`` is (height, width) of the output, that of
+    ``image`` by default. Returns (height, width, C) float64, or (height, width) for an image without
+    channels; with ``return_error`` also the estimated error (height, width).
 
     Affine matrices are exact for box and tent. Perspectives are cut exactly and integrated until two rules
     agree to ``tol``. Callables are integrated on ever smaller triangles on which the map is taken as linear,
@@ -284,5 +284,7 @@ def _difference(a: ArrayLike, b: ArrayLike) -> NDArray[np.float64]:
     """Both as doubles, so that unsigned integers do not wrap; refuses shapes that would broadcast."""
     first, second = np.asarray(a, np.float64), np.asarray(b, np.float64)
     if first.shape != second.shape or first.size == 0:
-        raise ValueError(f"b: got shape {second.shape}, expected that of a, {first.shape}, with some elements")
+        raise ValueError(
+            f"b: got shape {second.shape}, expected that of a, {first.shape}, with some elements"
+        )
     return first - second

@@ -159,7 +159,7 @@ impl Signal {
                     let share = square.side * square.side / area;
                     let small = outcome.flat
                         && square.depth > 0
-                        && outcome.worst() <= 0.25 * tolerance * share.sqrt()
+                        && outcome.worst() <= 0.25 * tolerance * share
                         && outcome.error <= 0.25 * tolerance * share;
                     if done[square.pixel] || small || square.depth >= DEEPEST || tally.spent >= SQUARE_BUDGET
                     {
@@ -234,7 +234,7 @@ impl Signal {
             (integrator.sum, integrator.error)
         };
         let (coarse, _) = integrate(&[[0, 2, 8], [0, 8, 6]]);
-        let (fine, error) = integrate(&[
+        let (fine, mut error) = integrate(&[
             [0, 1, 4],
             [0, 4, 3],
             [1, 2, 5],
@@ -248,8 +248,14 @@ impl Signal {
             [0, 1].into_iter().map(move |i| (0.5 * (image[a][i] + image[b][i]) - image[middle][i]).abs())
         };
         let bends = [[0, 1, 2], [0, 3, 6], [0, 4, 8], [2, 5, 8], [6, 7, 8]];
-        // A NaN is no bend: the border colour stands there, and the two results tell how much of it.
-        let flat = !bends.iter().flat_map(|&[a, m, b]| bend(a, m, b)).any(|d| d > FLAT_ENOUGH);
+        let bent = bends.iter().flat_map(|&[a, m, b]| bend(a, m, b)).any(|d| d > FLAT_ENOUGH);
+        // Both results may miss the rim of the map's domain in the same way.
+        let inside = image.iter().filter(|at| at.iter().all(|x| x.is_finite())).count();
+        let rim = inside != 0 && inside != 9;
+        if rim {
+            error += square.side * square.side * pixel.weight.at(nodes[4]) * self.spread();
+        }
+        let flat = !bent && !rim;
         Outcome { coarse, fine, error, flat }
     }
 

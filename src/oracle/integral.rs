@@ -230,16 +230,18 @@ impl<'a> Integrator<'a> {
         let Weight::Uniform(weight) = self.weight else { return };
         let [u, v] = self.signal.axes;
         let weights = self.signal.reconstruction.cell_weights();
+        // A sum a row, not one for all, keeps the rounding of large footprints small.
         let mut add = |columns: std::ops::Range<i64>, times: f64| {
+            let mut strip = vec![0.0; self.sum.len()];
             for (j, wy) in v.taps(row).zip(weights) {
                 for column in columns.clone() {
                     for (i, wx) in u.taps(column).zip(weights) {
-                        let factor = times * wx * wy * weight / density;
                         let texel = self.signal.texel(i, j);
-                        self.sum.iter_mut().zip(texel).for_each(|(s, t)| *s += factor * t);
+                        strip.iter_mut().zip(texel).for_each(|(s, t)| *s += wx * wy * t);
                     }
                 }
             }
+            self.sum.iter_mut().zip(strip).for_each(|(s, t)| *s += times * weight / density * t);
         };
         match u.period() {
             Some(period) if to - from >= period => {

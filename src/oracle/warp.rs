@@ -79,8 +79,12 @@ impl Signal {
             integrator: Integrator::new(self, pixel.weight, &pixel.projective, tolerance),
             budget: CELL_BUDGET,
         };
-        for &[from, to] in &pixel.squares {
-            work.add(&map, from, to, DEEPEST);
+        // Level by level, so that the budget goes to large squares first.
+        let mut squares = pixel.squares.clone();
+        for depth in 0..=DEEPEST {
+            let open: Vec<_> =
+                squares.into_iter().filter(|&square| !work.add(&map, square, depth == DEEPEST)).collect();
+            squares = open.into_iter().flat_map(quarters).collect();
         }
         self.finish(work.integrator.sum, work.integrator.error)
     }
@@ -105,14 +109,20 @@ fn map_around(matrix: &[[f64; 3]; 3], [x, y]: Point) -> Map {
     Map { x: first.plus(0.5, third), y: second.plus(0.5, third), w: third }
 }
 
+/// The four quarters of a square.
+fn quarters([from, to]: [Point; 2]) -> [[Point; 2]; 4] {
+    let (s, t) = (0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1]));
+    [[from, [s, t]], [[s, from[1]], [to[0], t]], [[from[0], t], [s, to[1]]], [[s, t], to]]
+}
+
 struct Projective<'a> {
     integrator: Integrator<'a>,
     budget: f64,
 }
 
 impl Projective<'_> {
-    /// Adds a rectangle of the pixel's plane.
-    fn add(&mut self, map: &Map, from: Point, to: Point, depth: u32) {
+    /// Adds a square of the pixel's plane, or answers `false` if it must be divided first.
+    fn add(&mut self, map: &Map, [from, to]: [Point; 2], last: bool) -> bool {
         let rectangle = Polygon::rectangle(from, to);
         let depths = rectangle.corners().iter().map(|&corner| map.w.at(corner));
         let (low, high) = depths.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), w| (l.min(w), h.max(w)));
@@ -128,7 +138,7 @@ impl Projective<'_> {
                 }
                 let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])];
                 self.integrator.add(&rectangle, &map.near(self.integrator.signal, middle));
-                return;
+                return true;
             }
         } else if !periodic {
             // Cells without an outer end reach the horizon, so both sides can be cut as they are.
@@ -136,16 +146,13 @@ impl Projective<'_> {
             let (behind, _) = rectangle.split(map.w.plus(rim, Map::ONE));
             self.integrator.add(&front, map);
             self.integrator.add(&behind, &map.negated());
-            return;
+            return true;
         }
-        if depth == 0 || self.budget < MOST_CELLS || self.mean_suffices(map, from, to) {
+        let mean = last || self.budget < MOST_CELLS || self.mean_suffices(map, from, to);
+        if mean {
             self.add_mean(map, from, to);
-            return;
         }
-        let (s, t) = (0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1]));
-        for (a, b) in [(from, [s, t]), ([s, from[1]], [to[0], t]), ([from[0], t], [s, to[1]]), ([s, t], to)] {
-            self.add(map, a, b, depth - 1);
-        }
+        mean
     }
 
     fn mean_suffices(&self, map: &Map, from: Point, to: Point) -> bool {
