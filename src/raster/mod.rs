@@ -158,7 +158,7 @@ impl Fragments {
 /// let corners = vec![[-1.0, -1.0, 0.0, 1.0], [1.0, -1.0, 0.0, 1.0], [-1.0, 1.0, 0.0, 1.0]];
 /// let geometry = Geometry::new(corners, vec![[0, 1, 2]]).unwrap();
 /// let fragments = rasterize(&geometry, (4, 3), &Options::default()).unwrap();
-/// assert_eq!(fragments.triangle()[8..], [0, 0, 0, 0]); // the bottom row
+/// assert_eq!(fragments.triangle()[8..], [0, 0, 0, -1]); // the bottom row
 /// ```
 pub fn rasterize(geometry: &Geometry, size: (usize, usize), options: &Options<'_>) -> Result<Fragments> {
     let (width, height) = size;
