@@ -90,6 +90,21 @@ pub(crate) fn check_size(argument: &'static str, width: usize, height: usize, ch
     }
 }
 
+/// So many zeros, or an error that names `argument` where memory does not suffice.
+pub(crate) fn zeros<T: Clone + Default>(argument: &'static str, len: usize) -> Result<Vec<T>> {
+    // A request that is given back at once: failure of the real one, which lets the system hand out zeroed
+    // pages, would end the process.
+    let mut probe = Vec::<T>::new();
+    let refused = probe.try_reserve_exact(len).is_err();
+    std::hint::black_box(&mut probe);
+    drop(probe);
+    if refused {
+        let bytes = len.saturating_mul(size_of::<T>());
+        return Err(Error::value(argument, format!("{bytes} bytes of results"), "what memory can hold"));
+    }
+    Ok(vec![T::default(); len])
+}
+
 /// Elements of a run-time type.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Pixels {

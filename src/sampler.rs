@@ -24,7 +24,7 @@ const SERIAL: usize = 10_000;
 pub struct Sampler {
     /// The filter.
     pub filter: Filter,
-    /// Longest footprint, in widths, that [`Filter::Anisotropic`] follows; 1 or more, infinity for no limit.
+    /// Longest footprint, in widths, that [`Filter::Anisotropic`] follows; 1 or more; more than 1024 counts as 1024.
     pub max_anisotropy: f64,
     /// Added to every level of detail.
     pub lod_bias: f32,

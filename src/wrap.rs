@@ -109,7 +109,9 @@ impl Wrap {
             }
             Self::Mirror101 if n == 1.0 => (s * 0.0 + 0.5, 1.0),
             Self::Mirror101 => {
-                let m = modulo(s - 0.5, 2.0 * n - 2.0);
+                // The half comes off after the reduction, where it is not lost to rounding.
+                let m = modulo(s, 2.0 * n - 2.0) - 0.5;
+                let m = if m < 0.0 { m + (2.0 * n - 2.0) } else { m };
                 if m < n - 1.0 { (m + 0.5, 1.0) } else { (2.0 * n - 1.5 - m, -1.0) }
             }
         }

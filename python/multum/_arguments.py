@@ -1,8 +1,9 @@
 """Arguments that several functions take, brought into one form."""
 
 import operator
+import sys
 from collections.abc import Sequence
-from typing import Any, SupportsIndex, overload
+from typing import Any, SupportsFloat, SupportsIndex, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,20 +20,48 @@ def wrap_pair(wrap: str | Sequence[str]) -> tuple[str, str]:
 
 
 @overload
-def count(argument: str, value: SupportsIndex, least: int = 1) -> int: ...
+def count(argument: str, value: SupportsIndex, least: int = 1, most: int = sys.maxsize) -> int: ...
 @overload
-def count(argument: str, value: SupportsIndex | None, least: int = 1) -> int | None: ...
-def count(argument: str, value: SupportsIndex | None, least: int = 1) -> int | None:
-    """A whole number of at least ``least``, or None."""
+def count(
+    argument: str, value: SupportsIndex | None, least: int = 1, most: int = sys.maxsize
+) -> int | None: ...
+def count(
+    argument: str, value: SupportsIndex | None, least: int = 1, most: int = sys.maxsize
+) -> int | None:
+    """A whole number from ``least`` to ``most``, or None."""
     if value is None:
         return None
     try:
         number = operator.index(value)
     except TypeError:
         raise TypeError(f"{argument}: got {value!r}, expected a whole number") from None
-    if number < least:
-        raise ValueError(f"{argument}: got {number}, expected at least {least}")
+    if not least <= number <= most:
+        raise ValueError(f"{argument}: got {number}, expected at least {least} and at most {most}")
     return number
+
+
+@overload
+def number(argument: str, value: SupportsFloat) -> float: ...
+@overload
+def number(argument: str, value: SupportsFloat | None) -> float | None: ...
+def number(argument: str, value: SupportsFloat | None) -> float | None:
+    """A number, or None."""
+    if value is None:
+        return None
+    # Text has a __float__ of sorts in float(), but is no number.
+    if isinstance(value, (str, bytes, bytearray)):
+        raise TypeError(f"{argument}: got {value!r}, expected a number")
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(f"{argument}: got {value!r}, expected a number") from None
+
+
+def name(argument: str, value: str) -> str:
+    """A word."""
+    if not isinstance(value, str):
+        raise TypeError(f"{argument}: got {value!r}, expected a name")
+    return value
 
 
 def numbers(argument: str, value: ArrayLike | None, channels: int) -> list[float]:
@@ -72,8 +101,10 @@ def size_pair(
         first, second = (operator.index(n) for n in value)
     except (TypeError, ValueError):
         raise TypeError(f"{argument}: got {value!r}, expected two whole numbers {order}") from None
-    if first < 1 or second < 1:
-        raise ValueError(f"{argument}: got {(first, second)}, expected numbers of at least 1")
+    if not (1 <= first <= sys.maxsize and 1 <= second <= sys.maxsize):
+        raise ValueError(
+            f"{argument}: got {(first, second)}, expected numbers of at least 1 that memory can hold"
+        )
     return first, second
 
 

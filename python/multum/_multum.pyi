@@ -128,7 +128,11 @@ def interpolate(
     out: NDArray[Any],
 ) -> None: ...
 def map_minifies(
-    first: NDArray[Any] | None, second: NDArray[Any] | None, matrix: list[float] | None, width: int, height: int
+    first: NDArray[Any] | None,
+    second: NDArray[Any] | None,
+    matrix: list[float] | None,
+    width: int,
+    height: int,
 ) -> bool: ...
 
 _Triple = tuple[float, float, float]
@@ -207,6 +211,7 @@ def checkerboard(uv: NDArray[Any], cells: _Pair, jacobian: NDArray[Any] | None) 
 def barycentric(points: NDArray[Any], triangle: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]: ...
 def distortion(jacobian: NDArray[Any]) -> NDArray[Any]: ...
 def tangents(normals: NDArray[Any]) -> NDArray[Any]: ...
+
 @final
 class Camera:
     def __new__(

@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from typing import Any, SupportsIndex
 
+import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _multum
-from ._arguments import count, wrap_pair
+from ._arguments import count, name, number, wrap_pair
 
 
 def build_pyramid(
@@ -65,5 +66,11 @@ def build_pyramid(
     [[[0, 255], [255, 0]], [[188]]]
     """
     return _multum.build_pyramid(
-        image, kind, encoding, alpha, wrap_pair(wrap), coverage, count("levels", levels)
+        np.asarray(image),
+        name("kind", kind),
+        name("encoding", encoding),
+        name("alpha", alpha),
+        wrap_pair(wrap),
+        number("coverage", coverage),
+        count("levels", levels),
     )

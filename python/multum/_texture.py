@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _multum
-from ._arguments import broadcast, count, numbers, wrap_pair
+from ._arguments import broadcast, count, name, number, numbers, wrap_pair
 from ._files import read_image
 
 
@@ -77,7 +77,13 @@ class Texture:
         pixels = np.asarray(image)
         channels = pixels.shape[2] if pixels.ndim == 3 else 1
         self._texture = _multum.Texture(
-            pixels, wrap_pair(wrap), numbers("border", border, channels), encoding, alpha, pyramid, coverage
+            pixels,
+            wrap_pair(wrap),
+            numbers("border", border, channels),
+            name("encoding", encoding),
+            name("alpha", alpha),
+            name("pyramid", pyramid),
+            number("coverage", coverage),
         )
 
     @classmethod
@@ -221,7 +227,7 @@ class Texture:
             the bilinear reconstruction over the footprint, to rounding), ``"stochastic"`` (one random texel a
             sample, whose expectation is that mean).
         max_anisotropy : float, optional
-            Longest footprint, in widths, that ``"anisotropic"`` follows; None for no limit.
+            Longest footprint, in widths, that ``"anisotropic"`` follows; None, and all above, for 1024.
         lod_bias : float
             Added to the level of detail.
         lod_rule : str
@@ -260,12 +266,12 @@ class Texture:
         places = np.asarray(uv)
         leading = places.shape[:-1]
         sampling = _multum.Sampling(
-            filter,
-            np.inf if max_anisotropy is None else float(max_anisotropy),
-            lod_bias,
-            lod_rule,
-            tolerance,
-            (count("seed", seed, least=0) or 0) % 2**64,
+            name("filter", filter),
+            np.inf if max_anisotropy is None else number("max_anisotropy", max_anisotropy),
+            number("lod_bias", lod_bias),
+            name("lod_rule", lod_rule),
+            number("tolerance", tolerance),
+            (count("seed", seed, least=0, most=2**64 - 1) or 0),
             count("threads", threads),
         )
         return self._texture.sample(
@@ -307,4 +313,4 @@ class Texture:
         >>> mt.Texture(np.float32([[0, 1], [0, 1]])).gradient([0.5, 0.5]).tolist()
         [[2.0, 0.0]]
         """
-        return self._texture.gradient(np.asarray(uv), filter, count("threads", threads))
+        return self._texture.gradient(np.asarray(uv), name("filter", filter), count("threads", threads))

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _multum
-from ._arguments import count, numbers, size_pair, wrap_pair
+from ._arguments import count, name, number, numbers, size_pair, wrap_pair
 
 Border = float | Sequence[float] | NDArray[Any]
 
@@ -96,7 +96,7 @@ def warp(
         What the codes mean, as for :class:`multum.Texture`. ``encoding="srgb"`` filters in linear light,
         ``alpha="straight"`` with premultiplied colour; the result is in the image's encoding again.
     max_anisotropy : float, optional
-        Longest footprint, in widths, that is followed; None for no limit.
+        Longest footprint, in widths, that is followed; None, and all above, for 1024.
     threads : int, optional
         Threads to use; the result does not depend on it.
 
@@ -274,9 +274,15 @@ def _options(
     if pixels.ndim not in (2, 3):
         raise ValueError(f"image: got shape {pixels.shape}, expected (H, W) or (H, W, C)")
     channels = pixels.shape[2] if pixels.ndim == 3 else 1
-    limit = np.inf if max_anisotropy is None else float(max_anisotropy)
-    sampling = _multum.Sampling(filter, limit, 0.0, "major", tolerance, 0, count("threads", threads))
-    return _multum.Warping(sampling, wrap_pair(wrap), numbers("border", border, channels), encoding, alpha)
+    limit = np.inf if max_anisotropy is None else number("max_anisotropy", max_anisotropy)
+    allowed = number("tolerance", tolerance)
+    sampling = _multum.Sampling(
+        name("filter", filter), limit, 0.0, "major", allowed, 0, count("threads", threads)
+    )
+    outside = numbers("border", border, channels)
+    return _multum.Warping(
+        sampling, wrap_pair(wrap), outside, name("encoding", encoding), name("alpha", alpha)
+    )
 
 
 def _period(pixels: NDArray[Any], wrap: str | Sequence[str]) -> tuple[float | None, float | None]:

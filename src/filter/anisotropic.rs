@@ -10,12 +10,16 @@
 //!
 //! The idea: J. McCormack and others, "Feline: fast elliptical lines for anisotropic texture mapping",
 //! SIGGRAPH 1999; here with a box along the line, because the truth is a box.
-//! Cost: `2k + 1` trilinear reads, at most `max_anisotropy + 1`.
+//! Cost: `2k + 1` trilinear reads, at most `max_anisotropy + 2`, and never more than [`MOST`]` + 2`.
 
 use super::{Filter, Query, Reader, mipmap};
 use crate::num::{Real, log2};
 use crate::texel::Texel;
 use crate::texture::Decode;
+
+/// The longest footprint, in widths, that is followed where no other limit is given: a line without width
+/// would need probes without end.
+const MOST: f64 = 1024.0;
 
 /// The filter at one place; `lod_bias` is added to the level of the probes.
 pub(crate) fn anisotropic<T: Texel, D: Decode<T>>(
@@ -25,7 +29,7 @@ pub(crate) fn anisotropic<T: Texel, D: Decode<T>>(
     lod_bias: f32,
 ) -> [T::Real; 4] {
     let axes = query.jacobian_tx.axes();
-    let width = axes.sigma2.max(axes.sigma1 / max_anisotropy);
+    let width = axes.sigma2.max(axes.sigma1 / max_anisotropy.min(MOST));
     let lod = log2(width as f32) + lod_bias;
     let ratio = axes.sigma1 / width;
     // Magnified along both axes, a point, or beyond all bounds: nothing that more probes could show.

@@ -232,7 +232,7 @@ impl Texture {
                 Ok(given.clone())
             }
             None => {
-                let mut made = vec![O::ZERO; shape.iter().product()];
+                let mut made = crate::image::zeros::<O>("uv", shape.iter().product())?;
                 work(py, sampling.threads, || run(&mut made))?;
                 array(py, made, &shape)
             }
@@ -266,7 +266,7 @@ impl Texture {
         let filter = Filter::parse(filter)?;
         let mut shape = uv.leading(1).to_vec();
         shape.extend([self.inner.channels(), 2]);
-        let mut out = vec![O::ZERO; shape.iter().product()];
+        let mut out = crate::image::zeros::<O>("uv", shape.iter().product())?;
         let places = uv.floats()?;
         work(py, threads, || match places {
             Floats::F32(uv) => gradient(&self.inner, filter, uv, &mut out),

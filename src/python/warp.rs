@@ -148,7 +148,7 @@ fn warp_typed<'py, T: Element + Sample + numpy::Element>(
             Ok(given.clone())
         }
         None => {
-            let mut made = vec![T::default(); full.iter().product()];
+            let mut made = crate::image::zeros::<T>("shape", full.iter().product())?;
             job(&mut made)?;
             array(py, made, shape)
         }

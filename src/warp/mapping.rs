@@ -123,7 +123,7 @@ impl Mapping<'_> {
             if rows.iter().flatten().all(|v| v.is_finite()) {
                 Ok(())
             } else {
-                Err(Error::value("matrix", format!("{rows:?}"), "finite numbers"))
+                Err(Error::value("mapping", format!("{rows:?}"), "finite numbers"))
             }
         };
         match self {

@@ -7,7 +7,7 @@
 use crate::encode::{Alpha, Encoding, Format, decode};
 use crate::error::{Error, Result};
 use crate::filter::{Filter, Query};
-use crate::image::{AnyView, Element, Image, for_any};
+use crate::image::{AnyView, Element, Image, View, for_any, zeros};
 use crate::jacobian::Jacobian;
 use crate::kernel::remap::Sample;
 use crate::sampler::Sampler;
@@ -75,11 +75,15 @@ pub fn warp(
     let channels = image.channels();
     crate::image::check_size("shape", width, height, channels)?;
     for_any!(AnyView, image, view => {
-        // Any element of the right type will do: all are overwritten.
-        let mut out = vec![view.data()[0]; width * height * channels];
+        let mut out = zeros_of(view, width * height * channels)?;
         warp_into(image, mapping, width, height, options, &mut out)?;
         Image::new(width, height, channels, out)
     })
+}
+
+/// Room for results of the view's type.
+fn zeros_of<T: Element>(_like: View<'_, T>, len: usize) -> Result<Vec<T>> {
+    zeros("shape", len)
 }
 
 /// As [`warp`], into packed rows of `width * channels` elements of the image's type.
@@ -176,7 +180,7 @@ pub fn coverage(
         WarpOptions { border: vec![0.0], encoding: Encoding::Linear, alpha: Alpha::None, ..options.clone() };
     let format = Format::new(options.encoding, options.alpha, 1)?;
     let texture = texture(white.view(), format, &options.border, &options)?;
-    let mut out = vec![0f32; width * height];
+    let mut out = zeros::<f32>("shape", width * height)?;
     let places = |i: usize| (mapping.query(i % width, i / width, width, height), None);
     options.sampler.sample_places(&texture, width * height, &places, &mut out)?;
     Image::new(width, height, 1, out)
