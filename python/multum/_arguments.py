@@ -25,9 +25,7 @@ def count(argument: str, value: SupportsIndex, least: int = 1, most: int = sys.m
 def count(
     argument: str, value: SupportsIndex | None, least: int = 1, most: int = sys.maxsize
 ) -> int | None: ...
-def count(
-    argument: str, value: SupportsIndex | None, least: int = 1, most: int = sys.maxsize
-) -> int | None:
+def count(argument: str, value: SupportsIndex | None, least: int = 1, most: int = sys.maxsize) -> int | None:
     """A whole number from ``least`` to ``most``, or None."""
     if value is None:
         return None
