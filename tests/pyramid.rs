@@ -1,6 +1,7 @@
 //! Pyramids against a brute force in f64 that shares no code with them, and against closed forms.
 
 use multum::encode::{Alpha, Encoding, Format};
+use multum::kernel::{Isa, with_isa};
 use multum::pyramid::{Kind, Options, Target, build, build_into, level_size, num_levels};
 use multum::{DType, Image, Pixels, View, Wrap, par};
 
@@ -542,9 +543,11 @@ fn byte_boxes_are_the_exact_mean_rounded_half_up() {
 }
 
 #[test]
-fn bytes_do_not_depend_on_threads() {
-    for (encoding, alpha) in [(Encoding::Linear, Alpha::None), (Encoding::Srgb, Alpha::Straight)] {
-        for (w, h) in [(300, 211), (256, 256), (5, 700)] {
+fn bytes_do_not_depend_on_threads_or_instructions() {
+    let formats =
+        [(Encoding::Linear, Alpha::None), (Encoding::Srgb, Alpha::Straight), (Encoding::Srgb, Alpha::None)];
+    for (encoding, alpha) in formats {
+        for (w, h) in [(300, 211), (256, 256), (5, 700), (24, 1100)] {
             let image = noise(DType::U8, w, h, 4, 1);
             for kind in KINDS {
                 let options = options(kind, encoding, alpha, 4);
@@ -552,6 +555,9 @@ fn bytes_do_not_depend_on_threads() {
                 let one = run(1);
                 for n in [2, 3, 7] {
                     assert_eq!(run(n), one, "{kind:?} {n} threads");
+                }
+                for isa in Isa::available() {
+                    assert_eq!(with_isa(isa, || run(2)).unwrap(), one, "{kind:?} {isa:?}");
                 }
             }
         }

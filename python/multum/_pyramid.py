@@ -49,7 +49,7 @@ def build_pyramid(
     Returns
     -------
     list of arrays
-        Level 0 (a copy of the image) first; the image's dtype and number of axes.
+        Level 0 first: the image itself, not a copy. All have its dtype and number of axes.
 
     Raises
     ------
@@ -65,8 +65,9 @@ def build_pyramid(
     >>> [level.tolist() for level in mt.build_pyramid(checker, encoding="srgb")]
     [[[0, 255], [255, 0]], [[188]]]
     """
-    return _multum.build_pyramid(
-        np.asarray(image),
+    base = np.asarray(image)
+    above = _multum.build_pyramid(
+        base,
         name("kind", kind),
         name("encoding", encoding),
         name("alpha", alpha),
@@ -74,3 +75,4 @@ def build_pyramid(
         number("coverage", coverage),
         count("levels", levels),
     )
+    return [base, *above]

@@ -2,6 +2,8 @@
 //!
 //! One run-time dispatch picks the instruction set; the scalar twin of each kernel defines its result, bit for bit.
 
+pub mod box_down;
+pub mod cast;
 pub mod plane;
 pub mod prefix;
 pub mod remap;

@@ -1,10 +1,12 @@
-//! The chain: each level from the numbers, not the codes, of the one below.
+//! One level after the other, by kernels of any width and wrap mode: each from the numbers, not the codes, of
+//! the one below.
 
 use super::codec::{Codec, Real};
 use super::taps::{Taps, edge};
-use super::{Options, Target, coverage};
+use super::{Kind, Options, Target, cascade, coverage};
 use crate::error::Result;
 use crate::image::View;
+use crate::kernel::Isa;
 use crate::par;
 use crate::texel::Texel;
 use crate::wrap::Wrap;
@@ -32,7 +34,10 @@ pub(super) fn levels<T: Texel, R: Real>(
     targets: &mut [Target<'_, T>],
     options: &Options,
 ) -> Result<()> {
-    let codec = Codec::new(options.format, T::DTYPE);
+    let codec = Codec::new(options.format, base.channels(), T::DTYPE);
+    if options.kind == Kind::Box && options.coverage.is_none() {
+        return cascade::levels::<T, R>(base, lanes, targets, &codec);
+    }
     let share = options.coverage.map(|threshold| coverage::share(base, options.format, threshold));
     let (mut width, mut height) = (base.width(), base.height());
     let mut below: Option<Plane<R>> = None;
@@ -58,7 +63,7 @@ fn next<T: Texel, R: Real>(
     lanes: usize,
     target: &mut Target<'_, T>,
 ) -> Result<Plane<R>> {
-    let channels = codec.format.channels;
+    let channels = codec.lanes;
     let row = target.width * channels;
     let mut plane = Plane {
         width: target.width,
@@ -68,12 +73,14 @@ fn next<T: Texel, R: Real>(
     };
     let stride = target.row_stride;
     let codes = target.data[target.origin..].chunks_mut(stride.saturating_mul(ROWS));
+    let isa = Isa::current();
     let tiles = plane.numbers.chunks_mut(row * ROWS).zip(codes);
     par::for_each(tiles, |tile, (numbers, codes)| {
         let mut reader = Reader::new(source, taps, wrap, codec);
+        let mut scratch = vec![R::default(); row];
         for (r, (numbers, codes)) in numbers.chunks_mut(row).zip(codes.chunks_mut(stride)).enumerate() {
             reader.reduce(tile * ROWS + r, numbers);
-            codec.encode_row(numbers, lanes, &mut codes[..target.width * lanes]);
+            codec.encode_row(isa, numbers, lanes, &mut codes[..target.width * lanes], &mut scratch);
         }
         Ok(())
     })?;
@@ -94,7 +101,7 @@ struct Reader<'a, T, R> {
 
 impl<'a, T: Texel, R: Real> Reader<'a, T, R> {
     fn new(source: &'a Source<'a, T, R>, taps: &'a [Taps<R>; 2], wrap: [Wrap; 2], codec: &'a Codec) -> Self {
-        let channels = codec.format.channels;
+        let channels = codec.lanes;
         let (before, after) = taps[0].overhang();
         Self {
             source,
@@ -149,7 +156,7 @@ impl<'a, T: Texel, R: Real> Reader<'a, T, R> {
         if self.slots[slot].0 == Some(y) {
             return;
         }
-        let (taps, channels) = (&self.taps[0], self.codec.format.channels);
+        let (taps, channels) = (&self.taps[0], self.codec.lanes);
         let height = self.taps[1].old as i64;
         let row = self.wrap[1].index(y, height).map_or(0, |y| y.clamp(0, height - 1)) as usize;
         let (before, after) = taps.overhang();

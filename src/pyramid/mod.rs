@@ -17,13 +17,14 @@
 //! the centre of the weights is the wide texel's: constants and ramps stay what they are.
 
 mod build;
+mod cascade;
 mod codec;
 mod coverage;
 mod taps;
 
 use crate::encode::{Alpha, Encoding, Format};
 use crate::error::{Error, Result};
-use crate::image::{AnyView, Image, View};
+use crate::image::{AnyView, Image, Pixels, View};
 use crate::texel::{DType, Texel};
 use crate::wrap::Wrap;
 
@@ -198,18 +199,43 @@ pub fn build_into<T: Texel>(
 /// # Ok::<(), multum::Error>(())
 /// ```
 pub fn build(base: AnyView<'_>, options: &Options, levels: Option<usize>) -> Result<Vec<Image>> {
+    let above = build_above(base, options, levels)?;
+    let copy = match base {
+        AnyView::U8(view) => packed(view)?,
+        AnyView::U16(view) => packed(view)?,
+        AnyView::F16(view) => packed(view)?,
+        AnyView::F32(view) => packed(view)?,
+        AnyView::F64(view) => packed(view)?,
+    };
+    Ok(std::iter::once(copy).chain(above).collect())
+}
+
+/// As [`build`], without the copy of the base: levels 1 to `levels - 1`.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_above(base: AnyView<'_>, options: &Options, levels: Option<usize>) -> Result<Vec<Image>> {
     match base {
-        AnyView::U8(view) => build_typed(view, options, levels),
-        AnyView::U16(view) => build_typed(view, options, levels),
-        AnyView::F16(view) => build_typed(view, options, levels),
-        AnyView::F32(view) => build_typed(view, options, levels),
-        AnyView::F64(view) => build_typed(view, options, levels),
+        AnyView::U8(view) => above(view, options, levels),
+        AnyView::U16(view) => above(view, options, levels),
+        AnyView::F16(view) => above(view, options, levels),
+        AnyView::F32(view) => above(view, options, levels),
+        AnyView::F64(view) => above(view, options, levels),
     }
 }
 
-fn build_typed<T: Texel>(base: View<'_, T>, options: &Options, levels: Option<usize>) -> Result<Vec<Image>>
+fn packed<T: Texel>(view: View<'_, T>) -> Result<Image>
 where
-    crate::image::Pixels: From<Vec<T>>,
+    Pixels: From<Vec<T>>,
+{
+    let mut copy = Vec::with_capacity(view.width() * view.height() * view.channels());
+    (0..view.height()).for_each(|y| copy.extend_from_slice(view.row(y)));
+    Image::new(view.width(), view.height(), view.channels(), copy)
+}
+
+fn above<T: Texel>(base: View<'_, T>, options: &Options, levels: Option<usize>) -> Result<Vec<Image>>
+where
+    Pixels: From<Vec<T>>,
 {
     let (width, height, channels) = (base.width(), base.height(), base.channels());
     let most = num_levels(width, height);
@@ -221,13 +247,13 @@ where
         return Err(Error::value("image", format!("{channels} channel(s)"), options.format.channels));
     }
     let size = |level| (level_size(width, level), level_size(height, level));
-    let mut packed: Vec<Vec<T>> = (1..levels)
+    let mut made: Vec<Vec<T>> = (1..levels)
         .map(|level| {
             let (w, h) = size(level);
             vec![T::default(); w * h * channels]
         })
         .collect();
-    let mut targets: Vec<_> = packed
+    let mut targets: Vec<_> = made
         .iter_mut()
         .enumerate()
         .map(|(i, data)| {
@@ -236,13 +262,9 @@ where
         })
         .collect();
     build_into(base, channels, &mut targets, options)?;
-    let copy: Vec<T> = (0..height).flat_map(|y| base.row(y).iter().copied()).collect();
-    std::iter::once(copy)
-        .chain(packed)
-        .enumerate()
-        .map(|(level, data)| {
-            let (w, h) = size(level);
-            Image::new(w, h, channels, data)
-        })
-        .collect()
+    let image = |(i, data)| {
+        let (w, h) = size(i + 1);
+        Image::new(w, h, channels, data)
+    };
+    made.into_iter().enumerate().map(image).collect()
 }

@@ -28,6 +28,11 @@ impl<R> Taps<R> {
         &self.weights[i * self.len..][..self.len]
     }
 
+    /// The weights of all new texels, `len` each.
+    pub fn all_weights(&self) -> &[R] {
+        &self.weights
+    }
+
     /// How far the taps reach beyond the first and the last texel.
     pub fn overhang(&self) -> (usize, usize) {
         let before = self.starts.iter().map(|s| -s).max().unwrap_or(0).max(0);

@@ -2,11 +2,11 @@
 
 use super::convert::{ImageArg, image_array, work};
 use crate::encode::{Alpha, Encoding, Format};
-use crate::pyramid::{Kind, Options, build};
+use crate::pyramid::{Kind, Options, build_above};
 use crate::wrap::Wrap;
 use pyo3::prelude::*;
 
-/// All levels of an image, level 0 first.
+/// The levels of an image from 1 on.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, reason = "one for each keyword of the Python function")]
 fn build_pyramid<'py>(
@@ -28,7 +28,7 @@ fn build_pyramid<'py>(
         wrap: [Wrap::parse("wrap", &wrap.0)?, Wrap::parse("wrap", &wrap.1)?],
         coverage,
     };
-    let made = work(py, None, || build(view, &options, levels))?;
+    let made = work(py, None, || build_above(view, &options, levels))?;
     made.into_iter().map(|level| image_array(py, level, image.is_flat)).collect()
 }
 
