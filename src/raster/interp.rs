@@ -10,7 +10,7 @@
 //!
 //! Olano and Greer, "Triangle scan conversion using 2D homogeneous coordinates", Graphics Hardware 1997.
 
-use super::visit::filled;
+use super::visit::{filled, zeros};
 use super::{Fragments, Geometry};
 use crate::error::{Error, Result};
 use crate::par;
@@ -54,6 +54,7 @@ impl<'a, T> Attributes<'a, T> {
         Ok(channels)
     }
 
+    #[inline(always)]
     fn corners(&self, geometry: &Geometry, face: usize) -> [&'a [T]; 3] {
         match *self {
             Self::Vertex { data, channels } => {
@@ -71,8 +72,8 @@ impl<'a, T> Attributes<'a, T> {
 struct Weights {
     /// Weights of corners 0, 1, 2: not negative, sum 1.
     b: [f64; 3],
-    /// Derivatives of the weights by x (one pixel right) and y (one pixel down).
-    db: [[f64; 2]; 3],
+    /// Derivatives of weights 1 and 2 by x (one pixel right) and y (one pixel down).
+    db: [[f64; 2]; 2],
 }
 
 /// The functions a_i of one triangle, about one pixel, in steps of pixels.
@@ -80,6 +81,7 @@ struct Weights {
 struct Planes {
     a: [f64; 3],
     da: [[f64; 2]; 3],
+    sum_da: [f64; 2],
     x: f64,
 }
 
@@ -89,35 +91,38 @@ impl Planes {
         let (px, py) = (2.0 / size[0], -2.0 / size[1]);
         let (cx, cy) = ((x as f64 + 0.5) * px - 1.0, (y as f64 + 0.5) * py + 1.0);
         let moved = corners.map(|[x, y, _, w]| [x - cx * w, y - cy * w, w]);
-        let mut planes = Self { a: [0.0; 3], da: [[0.0; 2]; 3], x: x as f64 };
+        let mut planes = Self { a: [0.0; 3], da: [[0.0; 2]; 3], sum_da: [0.0; 2], x: x as f64 };
         for i in 0..3 {
             let ([xj, yj, wj], [xk, yk, wk]) = (moved[(i + 1) % 3], moved[(i + 2) % 3]);
             planes.a[i] = xj * yk - xk * yj;
             planes.da[i] = [(wk * yj - wj * yk) * px, (xk * wj - xj * wk) * py];
         }
+        planes.sum_da = std::array::from_fn(|j| planes.da[0][j] + planes.da[1][j] + planes.da[2][j]);
         planes
     }
 
     /// Weights at another pixel of the same row.
+    #[inline(always)]
     fn at(&self, x: usize) -> Weights {
         let step = x as f64 - self.x;
         let a: [f64; 3] = std::array::from_fn(|i| self.a[i] + step * self.da[i][0]);
-        let sum = a[0] + a[1] + a[2];
-        let sums: [f64; 2] = std::array::from_fn(|j| self.da[0][j] + self.da[1][j] + self.da[2][j]);
-        let inverse = 1.0 / sum;
+        let inverse = 1.0 / (a[0] + a[1] + a[2]);
         let b = a.map(|a| a * inverse);
-        if !b.iter().all(|b| b.is_finite()) {
+        if !(b[0].abs() + b[1].abs() + b[2].abs()).is_finite() {
             // A triangle seen exactly edge-on: it has no inside, and every weight is as good.
-            return Weights { b: [1.0 / 3.0; 3], db: [[0.0; 2]; 3] };
+            return Weights { b: [1.0 / 3.0; 3], db: [[0.0; 2]; 2] };
         }
-        let db = std::array::from_fn(|i| std::array::from_fn(|j| (self.da[i][j] - b[i] * sums[j]) * inverse));
+        let db = std::array::from_fn(|i| {
+            std::array::from_fn(|j| (self.da[i + 1][j] - b[i + 1] * self.sum_da[j]) * inverse)
+        });
         Weights { b: inside(b), db }
     }
 }
 
 /// Vertices are snapped for coverage but not here, so a pixel's centre may lie up to 1/256 pixel outside.
+#[inline(always)]
 fn inside(b: [f64; 3]) -> [f64; 3] {
-    if b.iter().all(|b| *b >= 0.0) {
+    if b[0] >= 0.0 && b[1] >= 0.0 && b[2] >= 0.0 {
         return b;
     }
     let clamped = b.map(|b| b.max(0.0));
@@ -132,7 +137,7 @@ impl Fragments {
     /// # Errors
     /// [`Error::Value`] when the fragments name faces that `geometry` does not have.
     pub fn barycentric(&self, geometry: &Geometry) -> Result<Vec<[f32; 3]>> {
-        let mut out = filled(self.width * self.height, [0.0; 3])?;
+        let mut out = zeros::<[f32; 3]>(self.width * self.height)?;
         self.for_rows(geometry, out.chunks_mut(self.rows_at_a_time() * self.width), |out, p, _, weights| {
             out[p] = weights.b.map(|b| b as f32);
         })?;
@@ -153,7 +158,7 @@ impl Fragments {
         fill: T,
     ) -> Result<Vec<T>> {
         let channels = attributes.check(geometry)?;
-        let mut values = filled(self.elements(channels)?, fill)?;
+        let mut values = background(self.elements(channels)?, fill)?;
         let tiles = values.chunks_mut(self.rows_at_a_time() * self.width * channels);
         self.for_rows(geometry, tiles, |out, p, face, weights| {
             blend(attributes.corners(geometry, face), weights, &mut out[p * channels..][..channels]);
@@ -190,14 +195,14 @@ impl Fragments {
     ) -> Result<(Vec<T>, Vec<[T; 2]>)> {
         let channels = attributes.check(geometry)?;
         let elements = self.elements(channels)?;
-        let mut values = filled(elements, fill)?;
-        let mut derivatives = filled(elements, [T::default(); 2])?;
+        let mut values = background(elements, fill)?;
+        let mut derivatives = zeros::<[T; 2]>(elements)?;
         let chunk = self.rows_at_a_time() * self.width * channels;
         let tiles = values.chunks_mut(chunk).zip(derivatives.chunks_mut(chunk));
         self.for_rows(geometry, tiles, |(values, derivatives), p, face, weights| {
             let corners = attributes.corners(geometry, face);
             blend(corners, weights, &mut values[p * channels..][..channels]);
-            let [_, d1, d2] = weights.db;
+            let [d1, d2] = weights.db;
             for (c, out) in derivatives[p * channels..][..channels].iter_mut().enumerate() {
                 let [v0, v1, v2] = corners.map(|corner| corner[c].to_f64());
                 *out = std::array::from_fn(|j| T::from_f64(d1[j] * (v1 - v0) + d2[j] * (v2 - v0)));
@@ -253,6 +258,10 @@ impl Fragments {
             Ok(())
         })
     }
+}
+
+fn background<T: Texel>(len: usize, fill: T) -> Result<Vec<T>> {
+    if fill == T::default() { zeros(len) } else { filled(len, fill) }
 }
 
 #[inline(always)]

@@ -72,6 +72,7 @@ impl Geometry {
     }
 
     /// The clip-space corners of a face.
+    #[inline(always)]
     fn corners(&self, face: usize) -> [[f64; 4]; 3] {
         self.faces[face].map(|v| self.positions[v as usize])
     }

@@ -7,6 +7,8 @@ use super::{Cull, Geometry, clip::clip};
 
 /// Sub-pixel units in a pixel.
 pub(super) const SUB: i64 = 256;
+/// Up to so many columns of pixels are tested one by one.
+const NARROW: i64 = 8;
 /// Half-width of the guard band around the picture's centre, in pixels.
 const GUARD_PX: f64 = 24_576.0;
 /// Clip-space coordinates beyond this size are not drawn: their products stay finite.
@@ -44,7 +46,12 @@ impl Viewport {
 
     /// Divides and snaps. The caller knows that the vertex lies within the guard band and `w > 0`.
     fn snap(&self, [x, y, z, w]: [f64; 4]) -> Screen {
-        let place = |c: f64, half: f64| ((c / w + 1.0) * half * SUB as f64 + 0.5).floor() as i32;
+        let place = |c: f64, half: f64| {
+            let place = (c / w + 1.0) * half * SUB as f64 + 0.5;
+            // The floor, without the call that `f64::floor` is on older processors.
+            let toward_zero = place as i32;
+            toward_zero - i32::from(f64::from(toward_zero) > place)
+        };
         Screen {
             x: place(x, self.half[0]),
             y: place(-y, self.half[1]),
@@ -122,7 +129,7 @@ impl Primitive {
             let owns = dy[i] < 0 || (dy[i] == 0 && dx[i] > 0);
             constant[i] = dy[i] * x[i] - dx[i] * y[i] - i64::from(!owns);
         }
-        let area = (dx[0] * dy[1] - dx[1] * dy[0]) as f64;
+        let inverse_area = 1.0 / (dx[0] * dy[1] - dx[1] * dy[0]) as f64;
         let z = self.z.map(f64::from);
         let (z1, z2) = (z[1] - z[0], z[2] - z[0]);
         let (x1, y1) = (dx[0] as f64, dy[0] as f64);
@@ -133,7 +140,7 @@ impl Primitive {
             constant,
             origin: [x[0], y[0]],
             z0: z[0],
-            slope: [(z1 * y2 - z2 * y1) / area, (z2 * x1 - z1 * x2) / area],
+            slope: [(z1 * y2 - z2 * y1) * inverse_area, (z2 * x1 - z1 * x2) * inverse_area],
             hull: [self.z[0].min(self.z[1]).min(self.z[2]), self.z[0].max(self.z[1]).max(self.z[2])],
         }
     }
@@ -156,7 +163,7 @@ impl Edges {
     /// is the sample's place in its pixel. A sample at an edge shared by two triangles is in one of them.
     ///
     /// Along a row each edge function is linear in x, so its sign changes at a quotient of integers: no
-    /// pixel needs testing. Values at samples of one row differ by multiples of 256, so dividing by 256
+    /// pixel of a wide triangle needs testing. Values at samples of one row differ by multiples of 256, so dividing by 256
     /// (rounding down) keeps every sign.
     #[inline(always)]
     pub(super) fn spans(&self, bounds: Bounds, sample: [i64; 2], mut span: impl FnMut(i64, i64, i64)) {
@@ -166,6 +173,21 @@ impl Edges {
         let mut value: [i64; 3] =
             std::array::from_fn(|i| (self.dx[i] * y0 - self.dy[i] * x0 + self.constant[i]) >> 8);
         for y in bounds.y[0]..=bounds.y[1] {
+            if columns < NARROW {
+                // Testing a few pixels costs less than dividing.
+                let mut hits = 0u32;
+                let mut here = value;
+                for k in 0..=columns {
+                    hits |= u32::from((here[0] | here[1] | here[2]) >= 0) << k;
+                    here = std::array::from_fn(|i| here[i] - self.dy[i]);
+                }
+                value = std::array::from_fn(|i| value[i] + self.dx[i]);
+                if hits != 0 {
+                    let (first, last) = (i64::from(hits.trailing_zeros()), i64::from(hits.ilog2()));
+                    span(y, bounds.x[0] + first, bounds.x[0] + last);
+                }
+                continue;
+            }
             let (mut first, mut last) = (0, columns);
             for (i, e) in value.iter_mut().enumerate() {
                 let step = -self.dy[i];

@@ -93,6 +93,13 @@ fn sample_places(samples: usize) -> Vec<[i64; 2]> {
 
 /// A vector of equal elements, or an error where memory does not suffice.
 pub(super) fn filled<T: Clone>(len: usize, value: T) -> Result<Vec<T>> {
+    let mut out = room(len)?;
+    out.resize(len, value);
+    Ok(out)
+}
+
+/// An empty vector with room for so many elements, or an error where memory does not suffice.
+fn room<T>(len: usize) -> Result<Vec<T>> {
     let mut out = Vec::new();
     if out.try_reserve_exact(len).is_err() {
         let bytes = len.saturating_mul(size_of::<T>());
@@ -102,8 +109,14 @@ pub(super) fn filled<T: Clone>(len: usize, value: T) -> Result<Vec<T>> {
             "an output that fits in memory",
         ));
     }
-    out.resize(len, value);
     Ok(out)
+}
+
+/// A vector of zeros, straight from the system where it gives cleared memory.
+pub(super) fn zeros<T: Clone + Default>(len: usize) -> Result<Vec<T>> {
+    // Only asks whether there is room: `vec!` cannot fail softly.
+    drop(room::<T>(len)?);
+    Ok(vec![T::default(); len])
 }
 
 /// Sets up all faces and hands each band the primitives that reach it.
@@ -203,7 +216,11 @@ impl Line {
     /// Depth at the k-th pixel. Rounding may not take it out of the triangle's range.
     #[inline(always)]
     fn depth(&self, k: usize) -> f32 {
-        ((self.z + k as i32 as f64 * self.step) as f32).max(self.hull[0]).min(self.hull[1])
+        let z = (self.z + k as i32 as f64 * self.step) as f32;
+        // Comparisons that a plain maximum and minimum instruction can do: NaN, which an overflowing slope of
+        // a sliver gives, becomes the lower end.
+        let z = if z > self.hull[0] { z } else { self.hull[0] };
+        if z < self.hull[1] { z } else { self.hull[1] }
     }
 
     #[inline(always)]
