@@ -1,6 +1,7 @@
 """Texture sampling and filtering on the CPU."""
 
 from . import mapping, reference
+from . import compat
 from ._files import ImageInfo, image_info, read_image, write_image
 from ._mesh import Camera, Material, Mesh, MeshImage, Scene, TextureSlot, vertex_normals
 from ._multum import __version__
@@ -26,6 +27,7 @@ __all__ = [
     "__version__",
     "build_pyramid",
     "checkerboard",
+    "compat",
     "get_num_threads",
     "image_info",
     "mapping",

@@ -209,8 +209,8 @@ fn band<T: Sample>(
                 Points::Split(buffer.split_f64(isa, grid, &x[..n], &y[..n]))
             }
             Map::Fixed(p, codes) => {
-                let codes = codes.filter(|_| job.interpolation() != Interpolation::Nearest);
-                Points::Split(buffer.fixed(&p[pairs], codes.map(|c| &c[at])))
+                let nearest = job.interpolation() == Interpolation::Nearest;
+                Points::Split(buffer.fixed(&p[pairs], codes.map(|c| &c[at]), nearest))
             }
             Map::Matrix(_) => return Ok(()),
         };

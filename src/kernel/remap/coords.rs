@@ -221,13 +221,15 @@ impl<A: Real, const N: usize> Buffer<A, N> {
     }
 
     /// Positions of a fixed-point map: pairs of whole pixels, and for each pair a code `32 * fy + fx` of
-    /// fractions in 1/32 pixel (of which only ten bits count). Without codes the fractions are zero.
-    pub fn fixed(&mut self, whole: &[i16], codes: Option<&[u16]>) -> Split<'_, A> {
+    /// fractions in 1/32 pixel (of which only ten bits count). Without codes the fractions are zero. With
+    /// `nearest`, fractions of a half and more lead to the next pixel.
+    pub fn fixed(&mut self, whole: &[i16], codes: Option<&[u16]>, nearest: bool) -> Split<'_, A> {
         let n = (whole.len() / 2).min(N);
         for (i, pair) in whole.chunks_exact(2).take(n).enumerate() {
             let code = codes.and_then(|c| c.get(i)).copied().unwrap_or(0);
-            self.x[i] = i32::from(pair[0]);
-            self.y[i] = i32::from(pair[1]);
+            let up = |fraction: u16| i32::from(nearest && fraction & 16 != 0);
+            self.x[i] = i32::from(pair[0]) + up(code);
+            self.y[i] = i32::from(pair[1]) + up(code >> 5);
             self.fx[i] = A::of(f64::from(code & 31) / 32.0);
             self.fy[i] = A::of(f64::from((code >> 5) & 31) / 32.0);
         }
@@ -267,8 +269,10 @@ mod tests {
         let fine = buffer.split_f32(Isa::Scalar, Grid::Thirtyseconds, &x, &[0.0; 7]);
         assert_eq!(fine.fx, [0.5, 0.5, 0.5, 0.5, 0.5, 0.0, 0.0625]);
         assert_eq!(fine.x, [0, 1, 2, -1, -1, 0, 0]);
-        let fixed = buffer.fixed(&[3, -4], Some(&[5 + 32 * 7]));
+        let fixed = buffer.fixed(&[3, -4], Some(&[5 + 32 * 7]), false);
         assert_eq!((fixed.x[0], fixed.y[0], fixed.fx[0], fixed.fy[0]), (3, -4, 5.0 / 32.0, 7.0 / 32.0));
+        let nearest = buffer.fixed(&[3, -4], Some(&[15 + 32 * 16]), true);
+        assert_eq!((nearest.x[0], nearest.y[0]), (3, -3));
     }
 
     #[test]

@@ -137,7 +137,8 @@ pub enum Outside {
     Colour,
     /// Taps there have the colour that the output pixel already has.
     Previous,
-    /// An output pixel with any tap there stays as it is.
+    /// An output pixel stays as it is where the pixel left of and above its position, or for
+    /// [`Interpolation::Nearest`] the nearest one, is there; other taps are mirrored as [`Edge::Mirror101`].
     Keep,
 }
 

@@ -181,8 +181,7 @@ fn beyond<T: Sample, const K: usize>(
     let size = [s.width as i64, s.height as i64];
     let mut edges = job.edges;
     if job.outside == Outside::Keep {
-        let last = if K == 2 { 1 } else { 0 };
-        if (0..2).any(|axis| at[axis] < 0 || i64::from(at[axis]) + last >= size[axis]) {
+        if (0..2).any(|axis| at[axis] < 0 || i64::from(at[axis]) >= size[axis]) {
             return;
         }
         edges = [Edge::Mirror101; 2];

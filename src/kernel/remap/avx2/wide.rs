@@ -79,8 +79,10 @@ impl Wide for f32 {
     #[inline]
     #[target_feature(enable = "avx2")]
     unsafe fn store(from: &[f32; BUFFER], count: usize, out: *mut f32) {
-        // SAFETY: `count` is at most 32, and so is the room.
-        unsafe { std::ptr::copy_nonoverlapping(from.as_ptr(), out, count) };
+        for i in (0..count).step_by(8) {
+            // SAFETY: `count` is at most four blocks, and so is the room.
+            unsafe { _mm256_storeu_ps(out.add(i), _mm256_loadu_ps(from.as_ptr().add(i))) };
+        }
     }
 }
 

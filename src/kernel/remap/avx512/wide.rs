@@ -101,8 +101,10 @@ impl Wide for f32 {
     #[inline]
     #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx512dq,avx512vbmi")]
     unsafe fn store(from: &[f32; BUFFER], count: usize, out: *mut f32) {
-        // SAFETY: `count` is at most 64, and so is the room.
-        unsafe { std::ptr::copy_nonoverlapping(from.as_ptr(), out, count) };
+        for i in (0..count).step_by(16) {
+            // SAFETY: `count` is at most four blocks, and so is the room.
+            unsafe { _mm512_storeu_ps(out.add(i), _mm512_loadu_ps(from.as_ptr().add(i))) };
+        }
     }
 }
 

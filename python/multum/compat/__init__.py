@@ -1,0 +1,5 @@
+"""Other libraries' functions, with their own signatures, and anti-aliased where pixels cover several texels."""
+
+from . import cv2
+
+__all__ = ["cv2"]
