@@ -1,7 +1,6 @@
 """Texture sampling and filtering on the CPU."""
 
-from . import mapping, reference
-from . import compat
+from . import compat, mapping, reference
 from ._files import ImageInfo, image_info, read_image, write_image
 from ._mesh import Camera, Material, Mesh, MeshImage, Scene, TextureSlot, vertex_normals
 from ._multum import __version__
