@@ -43,6 +43,7 @@ impl Jacobian {
     }
 
     /// Determinant: the signed area of the pixel's footprint.
+    #[inline(always)]
     pub fn det(self) -> f64 {
         self.m[0][0] * self.m[1][1] - self.m[0][1] * self.m[1][0]
     }
@@ -65,6 +66,7 @@ impl Jacobian {
     /// `sigma1` is the length of the sum of the matrix's two conformal parts,
     /// `(hypot(a+d, c-b) + hypot(a-d, b+c))/2`, and `sigma2 = |det|/sigma1`, which does not cancel
     /// where the difference of the two lengths would. Blinn, "Consider the lowly 2x2 matrix", IEEE CG&A 1996.
+    #[inline(always)]
     pub fn axes(self) -> Axes {
         let [[a, b], [c, d]] = self.m;
         let sigma1 = self.sigma1();
@@ -92,6 +94,7 @@ fn length(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
 
+#[inline(always)]
 fn normalized(x: f64, y: f64) -> [f64; 2] {
     let n = length(x, y);
     [x / n, y / n]

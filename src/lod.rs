@@ -41,7 +41,7 @@ impl LodRule {
 
     /// Level of detail of a Jacobian in texels per pixel. Zero gives minus infinity, infinite entries give
     /// infinity and NaN gives NaN; [`clamp`] turns the last two into the coarsest level.
-    #[inline]
+    #[inline(always)]
     pub fn lod(self, jacobian_tx: Jacobian) -> f32 {
         match self {
             Self::Major => log2(jacobian_tx.sigma1() as f32),
@@ -51,7 +51,7 @@ impl LodRule {
 }
 
 /// Brings a biased level of detail into `[0, last]`; NaN becomes `last`.
-#[inline]
+#[inline(always)]
 pub fn clamp(lod: f32, last: usize) -> f32 {
     let last = last as f32;
     if lod <= 0.0 {
@@ -64,7 +64,7 @@ pub fn clamp(lod: f32, last: usize) -> f32 {
 }
 
 /// The finer of the two levels to blend, and the weight of the coarser.
-#[inline]
+#[inline(always)]
 pub fn split(clamped: f32) -> (usize, f32) {
     // Not negative, so truncation is floor.
     let level = clamped as usize;
@@ -72,7 +72,7 @@ pub fn split(clamped: f32) -> (usize, f32) {
 }
 
 /// The nearest level; halves go down. OpenGL 4.6, section 8.14.3: `ceil(lambda + 1/2) - 1`.
-#[inline]
+#[inline(always)]
 pub fn nearest(clamped: f32) -> usize {
     ((clamped + 0.5).ceil() - 1.0).max(0.0) as usize
 }

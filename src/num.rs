@@ -6,6 +6,7 @@
 /// `log2(m) = 2/ln 2 * (s + s^3/3 + s^5/5 + s^7/7 + s^9/9)`, `s = (m - 1)/(m + 1)`.
 /// Exact at powers of two; absolute error below 3e-7. Subnormals give a value below -126.
 /// Zero gives `-inf`, infinity `inf`, NaN and negative numbers NaN.
+#[inline(always)]
 pub fn log2(x: f32) -> f32 {
     if x.is_nan() || x <= 0.0 || x.is_infinite() {
         return if x == 0.0 {

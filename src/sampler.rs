@@ -8,6 +8,7 @@ use crate::filter::{
 use crate::filter::{exact, mipmap, nearest, stochastic};
 use crate::image::Element;
 use crate::jacobian::Jacobian;
+use crate::kernel::{Isa, compiled_for};
 use crate::lod::LodRule;
 use crate::num::Real;
 use crate::par;
@@ -16,6 +17,8 @@ use crate::texture::{Decode, Decoder, Plain, Texture};
 
 /// Samples a tile: small enough to balance, large enough to be worth a hand-over.
 const TILE: usize = 4096;
+/// Samples that are placed, averaged and finished together.
+const BLOCK: usize = 64;
 /// Calls with fewer samples stay on the calling thread.
 const SERIAL: usize = 10_000;
 
@@ -65,23 +68,42 @@ pub trait Coordinate: Copy + Into<f64> + Sync {}
 impl Coordinate for f32 {}
 impl Coordinate for f64 {}
 
-/// Where the results of one group of channels go.
+/// Where the results of one group of channels go, from sample `first` on.
 struct Slots<'a, O> {
     out: &'a mut [O],
     channels: usize,
     group: usize,
+    first: usize,
 }
 
 impl<O: Copy> Slots<'_, O> {
-    fn fill(
+    /// Block by block: places, then averages compiled for `isa`, then results.
+    fn fill<R: Real>(
         self,
-        places: impl Fn(usize) -> (Query, Option<f32>),
-        sample: impl Fn(&Query, Option<f32>) -> [O; 4],
+        isa: Isa,
+        places: &Places<'_>,
+        average: impl Fn(&Query, Option<f32>) -> [R; 4],
+        finish: impl Fn([R; 4]) -> [O; 4],
     ) {
-        for (k, out) in self.out.chunks_exact_mut(self.channels).enumerate() {
-            let (query, lod) = places(k);
-            for (out, value) in out[4 * self.group..].iter_mut().zip(sample(&query, lod)) {
-                *out = value;
+        let nowhere = Query { s: 0.0, t: 0.0, jacobian_tx: Jacobian::ZERO, index: 0 };
+        let mut queries = [(nowhere, None); BLOCK];
+        let mut averages = [[R::ZERO; 4]; BLOCK];
+        for (block, out) in self.out.chunks_mut(BLOCK * self.channels).enumerate() {
+            let count = out.len() / self.channels;
+            for (k, slot) in queries[..count].iter_mut().enumerate() {
+                let index = self.first + block * BLOCK + k;
+                let (query, lod) = places(index);
+                *slot = (Query { index: index as u64, ..query }, lod);
+            }
+            compiled_for(isa, || {
+                for ((query, lod), average_slot) in queries[..count].iter().zip(&mut averages) {
+                    *average_slot = average(query, *lod);
+                }
+            });
+            for (out, average) in out.chunks_exact_mut(self.channels).zip(&averages) {
+                for (out, value) in out[4 * self.group..].iter_mut().zip(finish(*average)) {
+                    *out = value;
+                }
             }
         }
     }
@@ -283,25 +305,19 @@ impl Sampler {
         for group in 0..texture.num_groups() {
             // Levels are made here, on the calling thread, before work is handed out.
             let layers = texture.layers::<T>(group, self.filter.uses_levels())?;
+            let isa = Isa::current();
             let tiles = out.chunks_mut(TILE * channels);
             let run = || {
                 par::for_each(tiles, |tile, out| {
-                    let out = Slots { out, channels, group };
-                    let places = |k| {
-                        let index = tile * TILE + k;
-                        let (query, lod) = places(index);
-                        (Query { index: index as u64, ..query }, lod)
-                    };
+                    let slots = Slots { out, channels, group, first: tile * TILE };
                     if layers.decoder.is_plain() {
                         let reader = Reader::new(&layers, Plain { full_scale: layers.decoder.full_scale });
-                        out.fill(places, |q, lod| {
-                            finish.plain(&reader, self.average(&reader, q, lod), group)
-                        });
+                        let average = |q: &Query, lod| self.average(&reader, q, lod);
+                        slots.fill(isa, places, average, |average| finish.plain(&reader, average, group));
                     } else {
                         let reader = Reader::new(&layers, layers.decoder);
-                        out.fill(places, |q, lod| {
-                            finish.decoded(&reader, self.average(&reader, q, lod), group)
-                        });
+                        let average = |q: &Query, lod| self.average(&reader, q, lod);
+                        slots.fill(isa, places, average, |average| finish.decoded(&reader, average, group));
                     }
                     Ok(())
                 })
@@ -312,7 +328,7 @@ impl Sampler {
     }
 
     /// One sample, not yet finished.
-    #[inline]
+    #[inline(always)]
     fn average<T: Element, D: Decode<T>>(
         &self,
         r: &Reader<'_, T, D>,

@@ -63,7 +63,7 @@ impl Wrap {
 
     /// The texel that stands at index `i` of an axis of `n` texels: an index in `0..n`, or -1 and `n` for
     /// the extra texels of `Extend`, or `None` for the border colour.
-    #[inline]
+    #[inline(always)]
     pub fn index(self, i: i64, n: i64) -> Option<i64> {
         debug_assert!(n > 0);
         if (0..n).contains(&i) {
@@ -90,7 +90,7 @@ impl Wrap {
     /// Brings a coordinate (texel `i` covers `i..i+1`) into `0..=n` along a periodic axis, and to the side
     /// from 0 on along [`Wrap::MirrorOnce`]; the picture seen there is the same. Other modes leave it alone.
     /// Returns the coordinate and -1.0 where the axis runs backwards there, else 1.0. NaN stays NaN.
-    #[inline]
+    #[inline(always)]
     pub fn reduce(self, s: f64, n: f64) -> (f64, f64) {
         match self {
             Self::Clamp | Self::Border | Self::Extend => (s, 1.0),
@@ -129,7 +129,7 @@ impl Wrap {
 }
 
 /// `s` modulo a whole `n`, in `0..=n`.
-#[inline]
+#[inline(always)]
 fn modulo(s: f64, n: f64) -> f64 {
     // Up to here `n * floor` is a whole number that f64 holds exactly, and so is the difference's rounding.
     const EXACT: f64 = 1.1e12;

@@ -22,6 +22,7 @@ use crate::texture::Decode;
 const MOST: f64 = 1024.0;
 
 /// The filter at one place; `lod_bias` is added to the level of the probes.
+#[inline(always)]
 pub(crate) fn anisotropic<T: Texel, D: Decode<T>>(
     r: &Reader<'_, T, D>,
     query: &Query,

@@ -57,6 +57,7 @@ impl Cubic {
 }
 
 /// The cubic reconstruction of level 0 at (s, t).
+#[inline(always)]
 pub(crate) fn bicubic<T: Texel, D: Decode<T>>(
     r: &Reader<'_, T, D>,
     cubic: Cubic,

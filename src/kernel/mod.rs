@@ -87,3 +87,23 @@ pub fn with_isa<R>(isa: Isa, work: impl FnOnce() -> R) -> Result<R> {
     FORCED.set(before);
     Ok(result)
 }
+
+/// Runs `work` compiled for `isa`: whatever is inlined into it may use the set's instructions. The
+/// operations are the same, none is fused, and so are the results.
+#[inline(always)]
+pub fn compiled_for<R>(isa: Isa, work: impl FnOnce() -> R) -> R {
+    match isa {
+        // SAFETY: a set other than `Scalar` is in use only where the machine has it.
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx2 | Isa::Avx512 if isa.is_supported() => unsafe { with_avx2(work) },
+        _ => work(),
+    }
+}
+
+/// # Safety
+/// The machine must have AVX2.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+unsafe fn with_avx2<R>(work: impl FnOnce() -> R) -> R {
+    work()
+}
