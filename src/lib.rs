@@ -1,6 +1,41 @@
-//! Texture sampling and filtering on the CPU.
+//! Texture sampling and filtering on the CPU: what is the colour of this pixel, when the pixel covers that
+//! piece of that texture?
 //!
-//! Given a texture and the piece of it that a pixel covers, return the right colour, fast.
+//! ```text
+//!  image            texture             sampler                 result
+//!  texels in    ->  levels, wrap,   ->  filter and options  ->  one colour
+//!  rows             border, encoding        ^                   a query
+//!                                           |
+//!                   place (u, v) and how far it moves from pixel to pixel (the Jacobian)
+//!                                           ^
+//!            warp: output pixels | mapping: points, directions | raster: triangles
+//! ```
+//!
+//! - [`Image`] and [`View`] hold pixels, [`files`] reads and writes them.
+//! - [`Texture`] is *what* is sampled: levels ([`pyramid`]), what lies outside ([`Wrap`]), what the codes mean
+//!   ([`encode`]). Levels are made when a filter first reads them.
+//! - [`Sampler`] is *how*: a [`Filter`] and its limits, over batches of places with their [`Extent`].
+//! - [`warp`] turns images into images, [`mapping`] points and directions into places, with derivatives;
+//!   [`raster`] and [`mesh`] bring triangles to the screen.
+//!
+//! # Conventions
+//!
+//! - Texture space is (u, v) in \[0, 1\]: u to the right, v down, row 0 at v = 0. Texel (i, j) has its centre at
+//!   ((i + 1/2)/W, (j + 1/2)/H).
+//! - `J[i][j]` is the derivative of coordinate i of (u, v) by pixel axis j: column 0 is one pixel right, column 1
+//!   one pixel down. Its singular values in texels are the footprint's length and width.
+//! - Pixels of image warps have their centres at whole numbers, pixels of the rasteriser at one half.
+//! - Integers stand for code / max. Values are filtered in linear light and premultiplied, where the texture
+//!   says that its codes are not.
+//! - The right value of a pixel is the mean of the bilinear reconstruction over the pixel's footprint
+//!   ([`Filter::Exact`]); other filters approximate it.
+//! - A coordinate that is not finite gives the border colour; a Jacobian that is not finite the coarsest level.
+//! - Results do not depend on the number of threads or on the instruction set.
+//!
+//! # Features
+//!
+//! `rayon` (default): threads. `image` (default): image files. `mesh`: glTF and OBJ. `python`: the bindings; no
+//! other build needs Python.
 
 mod error;
 pub mod num;
@@ -47,3 +82,8 @@ pub use crate::sampler::{Extent, Sampler};
 pub use crate::texel::DType;
 pub use crate::texture::{Texture, TextureOptions};
 pub use crate::wrap::Wrap;
+
+/// The README's Rust code, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

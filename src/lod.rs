@@ -7,10 +7,11 @@
 //! - [`LodRule::Area`]: `lambda = log2(|det J|)/2`, the level whose texels have the footprint's area `A W H`
 //!   (A in texture space): the lectures' `d = log2(A W H)/2`.
 //!
-//! The major axis is the default. The rules differ by half the log of the footprint's ratio, always
-//! downwards: along a footprint's long axis the area rule reads texels that are smaller than the pixel's
-//! extent, and what it saves in blur across comes back as aliasing along. An isotropic filter can only
-//! choose between the two; blur is the smaller error (see `docs/filters.md`).
+//! The major axis is the default: it is the rule of GL, and it never shows more than the truth does when the
+//! picture moves. The rules differ by half the log of the footprint's ratio, always downwards: along a
+//! footprint's long axis the area rule reads texels that are smaller than the pixel's extent, and what it saves
+//! in blur across comes back as aliasing along. In a still picture of a slanted plane that is often the smaller
+//! error; moving patterns of high contrast flicker. `docs/lod.md` has the numbers.
 
 use crate::error::{Error, Result};
 use crate::jacobian::Jacobian;

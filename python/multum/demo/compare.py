@@ -18,14 +18,19 @@ _ZOOM = 6
 _SKY = np.array([176, 204, 232], np.uint8)
 
 
-def homography(scale: float) -> Figure:
-    """A photograph on a tilted sheet."""
+def photograph_scene(scale: float) -> tuple[NDArray[np.uint8], NDArray[np.float64], tuple[int, int]]:
+    """A photograph, the matrix that shows it on a tilted sheet, and the shape of the view."""
     image = photograph("astronaut")
     width, height = round(360 * scale), round(270 * scale)
     sheet = np.array([[0.40, 0.08], [0.76, 0.16], [0.98, 0.94], [0.02, 0.86]]) * [width, height]
     inside = corners_matrix([float(v) for v in sheet.ravel()], image.shape[:2])
-    matrix = np.asarray(np.linalg.inv(inside), dtype=np.float64)
-    shape = (height, width)
+    return image, np.asarray(np.linalg.inv(inside), dtype=np.float64), (height, width)
+
+
+def homography(scale: float) -> Figure:
+    """A photograph on a tilted sheet."""
+    image, matrix, shape = photograph_scene(scale)
+    height, width = shape
     exact = truth(image, matrix, shape, repeat=False)
     other = peers.plain_warp(image, matrix, shape, repeat=False)
     ours = warp(image, matrix, shape)
