@@ -15,9 +15,8 @@ def main(out: str = "straight.png") -> None:
     matrix = np.array([[0.55, 0.02, 110.0], [0.0, 0.80, 10.0], [0.0, -0.0005, 1.0]])
     straight, coverage = mt.warp(image, matrix, shape=(400, 500), encoding="srgb", coverage=True)
     mt.write_image(out, straight)
-    print(
-        f"{out}: {straight.shape[1]}x{straight.shape[0]}, {100 * np.mean(coverage == 1):.0f} % of it inside the picture"
-    )
+    inside = 100 * np.mean(coverage == 1)
+    print(f"{out}: {straight.shape[1]}x{straight.shape[0]}, {inside:.0f} % of it inside the picture")
 
 
 if __name__ == "__main__":
