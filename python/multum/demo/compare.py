@@ -93,7 +93,7 @@ def plane(scale: float) -> Figure:
         "makes noise and moire; multum gives their average, and keeps the joints sharp where they can be seen.",
         [shown, *full],
         times,
-        Panel(shown, "the texture, repeated without end", f"{tiles.shape[1]} x {tiles.shape[0]}"),
+        Panel(shown, "the texture", f"{tiles.shape[1]} x {tiles.shape[0]}"),
         (0.26, 0.15),
     )
 
@@ -118,7 +118,7 @@ def _comparison(
     parts = ((exact_codes, "the truth"), (other, peers.NAME), (ours, "multum"))
     rows = [
         [
-            Panel(colour(exact_codes), "truth", "mean over each pixel, supersampled"),
+            Panel(colour(exact_codes), "truth", "mean over each pixel"),
             Panel(colour(other), peers.NAME, f"rms error {other_rms:.2f}, {times[0]:.1f} ms"),
             Panel(colour(ours), "multum", f"rms error {ours_rms:.2f}, {times[1]:.1f} ms"),
         ],
