@@ -51,10 +51,14 @@ def main() -> None:
     """Print the table: the error, and in brackets how much of the motion is there when the plane moves a little."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scale", type=float, default=1.0, help="size of the view (default: 1)")
-    _, matrix, shape, _ = plane_scene(parser.parse_args().scale)
+    parser.add_argument("--only", metavar="TEXTURE", help="one of the textures (default: all)")
+    options = parser.parse_args()
+    _, matrix, shape, _ = plane_scene(options.scale)
     print("| texture | " + " | ".join(CASES) + " |\n|---|" + "---:|" * len(CASES))
     step = np.array([[1, 0, 3.0], [0, 1, 5.0], [0, 0, 1]])
     for name, image in textures().items():
+        if options.only not in (None, name):
+            continue
         exact, *made = view(image, matrix, shape)
         exact_next, *made_next = view(image, step @ matrix, shape)
         moved = rms(exact_next, exact)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _MOST_SAMPLES = (24, 512)
+_AT_ONCE = 1 << 15
 
 
 def truth(
@@ -27,9 +28,10 @@ def truth(
         dy = (np.arange(down) + 0.5) / down - 0.5
         x = (np.arange(width)[:, None] + dx).ravel()
         total = np.zeros((width, texels.shape[2]))
-        for offset in dy:
-            values = _bilinear(texels, _apply(matrix, x, row + offset), repeat)
-            total += values.reshape(width, across, -1).sum(axis=1)
+        for offsets in np.array_split(dy, max(1, x.size * down // _AT_ONCE)):
+            place = _apply(matrix, np.tile(x, offsets.size), row + np.repeat(offsets, x.size))
+            values = _bilinear(texels, place, repeat)
+            total += values.reshape(offsets.size, width, across, -1).sum(axis=(0, 2))
         out[row] = total / (across * down)
     return out.reshape(*shape, *image.shape[2:])
 
