@@ -37,7 +37,7 @@ lint: $(VENV)/.test
 	$(BIN)/ruff format --check python tests/python examples/python
 	$(BIN)/ruff check python tests/python examples/python
 	$(BIN)/mypy
-	$(BIN)/stubtest multum
+	$(BIN)/stubtest multum._multum --allowlist tests/python/stubtest-allowlist.txt --ignore-unused-allowlist
 
 rust-test:
 	@echo "== Rust tests, examples and doc tests"
