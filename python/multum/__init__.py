@@ -1,6 +1,6 @@
 """Texture sampling and filtering on the CPU."""
 
-from . import compat, mapping, reference
+from . import compat, mapping, panorama, reference
 from ._files import ImageInfo, image_info, read_image, write_image
 from ._mesh import Camera, Material, Mesh, MeshImage, Scene, TextureSlot, vertex_normals
 from ._multum import __version__
@@ -30,6 +30,7 @@ __all__ = [
     "get_num_threads",
     "image_info",
     "mapping",
+    "panorama",
     "rasterize",
     "read_image",
     "reference",

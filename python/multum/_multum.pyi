@@ -278,3 +278,14 @@ def reference_warp(
     filter: tuple[str, float],
     tolerance: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+
+_Form = tuple[str, str, str, float | None]
+
+def panorama_convert(
+    image: NDArray[Any],
+    source: _Form,
+    target: _Form,
+    size: tuple[int, int],
+    rotation: list[list[float]],
+    warping: Warping,
+) -> NDArray[Any]: ...

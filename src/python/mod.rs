@@ -7,6 +7,7 @@ mod errors;
 mod files;
 mod mapping;
 mod mesh;
+mod panorama;
 mod pyramid;
 mod raster;
 mod reference;
@@ -23,6 +24,7 @@ fn _multum(module: &Bound<'_, PyModule>) -> PyResult<()> {
     files::register(module)?;
     mapping::register(module)?;
     mesh::register(module)?;
+    panorama::register(module)?;
     pyramid::register(module)?;
     raster::register(module)?;
     sat::register(module)?;

@@ -14,8 +14,8 @@ use pyo3::prelude::*;
 /// All options of a warp but the mapping, checked.
 #[pyclass(frozen, module = "multum._multum")]
 pub struct Warping {
-    options: WarpOptions,
-    threads: Option<usize>,
+    pub(super) options: WarpOptions,
+    pub(super) threads: Option<usize>,
 }
 
 #[pymethods]

@@ -16,6 +16,7 @@ use crate::texture::{Texture, TextureOptions};
 use crate::wrap::Wrap;
 
 mod mapping;
+pub mod panorama;
 pub mod remap;
 
 pub use mapping::{Mapping, Maps};
@@ -193,6 +194,21 @@ fn texture<'a>(
     border: &[f64],
     options: &WarpOptions,
 ) -> Result<Texture<'a>> {
+    let texture_options = texture_options(image, format, border, options);
+    if image.dtype().is_integer() || options.encoding == Encoding::Linear {
+        Texture::borrowed(image, texture_options)
+    } else {
+        Texture::new(image, texture_options)
+    }
+}
+
+/// The options of the image's texture, with the border's codes decoded.
+fn texture_options(
+    image: AnyView<'_>,
+    format: Format,
+    border: &[f64],
+    options: &WarpOptions,
+) -> TextureOptions {
     let mut border: Vec<f64> = (border.iter().enumerate())
         .map(|(c, code)| decode(format.channel_encoding(c), image.dtype(), *code))
         .collect();
@@ -201,17 +217,12 @@ fn texture<'a>(
     {
         colour.iter_mut().for_each(|c| *c *= *alpha);
     }
-    let texture_options = TextureOptions {
+    TextureOptions {
         wrap: options.wrap,
         border,
         encoding: options.encoding,
         alpha: options.alpha,
         ..TextureOptions::default()
-    };
-    if image.dtype().is_integer() || options.encoding == Encoding::Linear {
-        Texture::borrowed(image, texture_options)
-    } else {
-        Texture::new(image, texture_options)
     }
 }
 
