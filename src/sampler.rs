@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::filter::{
     Cubic, Filter, Query, Reader, anisotropic, bicubic, bicubic_gradient, bilinear, bilinear_gradient,
 };
-use crate::filter::{exact, mipmap, nearest, stochastic};
+use crate::filter::{area, ewa, exact, mipmap, nearest, sat, stochastic};
 use crate::image::Element;
 use crate::jacobian::Jacobian;
 use crate::kernel::{Isa, compiled_for};
@@ -304,7 +304,10 @@ impl Sampler {
         let channels = texture.channels();
         for group in 0..texture.num_groups() {
             // Levels are made here, on the calling thread, before work is handed out.
-            let layers = texture.layers::<T>(group, self.filter.uses_levels())?;
+            let mut layers = texture.layers::<T>(group, self.filter.uses_levels())?;
+            if self.filter == Filter::Sat {
+                layers.sums = Some(texture.table::<T>(group)?);
+            }
             let isa = Isa::current();
             let tiles = out.chunks_mut(TILE * channels);
             let run = || {
@@ -344,6 +347,9 @@ impl Sampler {
             Filter::Bilinear => bilinear(r, 0, s, t),
             Filter::Bicubic => bicubic(r, Cubic::CATMULL_ROM, s, t),
             Filter::Mitchell => bicubic(r, Cubic::MITCHELL, s, t),
+            Filter::Ewa => ewa(r, &query.with_lod(lod, self.lod_bias), self.max_anisotropy),
+            Filter::Area => area(r, &query.with_lod(lod, self.lod_bias)),
+            Filter::Sat => sat(r, &query.with_lod(lod, self.lod_bias)),
             Filter::Exact => exact(r, &query.with_lod(lod, self.lod_bias)),
             Filter::Stochastic => stochastic(r, &query.with_lod(lod, self.lod_bias), self.seed),
             // Nothing to weigh: the error of the exact mean is rounding.

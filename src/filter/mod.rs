@@ -7,20 +7,27 @@ use crate::texel::Texel;
 use crate::texture::{Decode, Layers};
 
 mod anisotropic;
+mod area;
 mod bicubic;
 mod bilinear;
+mod ewa;
 mod exact;
 mod mipmap;
 mod nearest;
 mod rows;
+mod sat;
 mod stochastic;
+mod sum;
 
 pub(crate) use anisotropic::anisotropic;
+pub(crate) use area::area;
 pub(crate) use bicubic::{Cubic, bicubic, bicubic_gradient};
 pub(crate) use bilinear::{bilinear, bilinear_gradient};
+pub(crate) use ewa::ewa;
 pub(crate) use exact::exact;
 pub(crate) use mipmap::mipmap;
 pub(crate) use nearest::nearest;
+pub(crate) use sat::sat;
 pub(crate) use stochastic::stochastic;
 
 /// Which filter a sampler uses. Names in Python are those of [`Filter::NAMES`].
@@ -47,6 +54,12 @@ pub enum Filter {
     Trilinear,
     /// Trilinear probes along the footprint's major axis.
     Anisotropic,
+    /// Gaussian weights over the ellipse that stands for the footprint.
+    Ewa,
+    /// The mean over the upright rectangle around the footprint, from a summed-area table.
+    Sat,
+    /// The mean over the footprint, fast and nearly exact.
+    Area,
     /// The mean of the bilinear reconstruction over the footprint, exact to rounding.
     Exact,
     /// One random texel whose expectation is [`Filter::Exact`].
@@ -67,6 +80,9 @@ impl Filter {
         ("trilinear", Self::Trilinear),
         ("linear_mipmap_linear", Self::Trilinear),
         ("anisotropic", Self::Anisotropic),
+        ("ewa", Self::Ewa),
+        ("sat", Self::Sat),
+        ("area", Self::Area),
         ("exact", Self::Exact),
         ("stochastic", Self::Stochastic),
     ];
@@ -91,7 +107,12 @@ impl Filter {
     pub fn magnifies_bilinearly(self) -> bool {
         matches!(
             self,
-            Self::Auto | Self::Bilinear | Self::LinearMipmapNearest | Self::Trilinear | Self::Anisotropic
+            Self::Auto
+                | Self::Bilinear
+                | Self::LinearMipmapNearest
+                | Self::Trilinear
+                | Self::Anisotropic
+                | Self::Sat
         )
     }
 }

@@ -129,6 +129,15 @@ impl SummedAreaTable {
         &self.offset
     }
 
+    /// Bytes of the entries.
+    pub fn nbytes(&self) -> usize {
+        match &self.table {
+            Table::U32(t) => size_of_val(t.as_slice()),
+            Table::U64(t) => size_of_val(t.as_slice()),
+            Table::F64(t) => size_of_val(t.as_slice()),
+        }
+    }
+
     /// The texture's size, without the extra texels of [`Wrap::Extend`].
     fn inner(&self) -> [usize; 2] {
         let less = |wrap, n| if wrap == Wrap::Extend { n - 2 } else { n };

@@ -3,6 +3,7 @@
 use crate::encode::{Encoding, Format, decode};
 use crate::kernel::plane::Plane;
 use crate::num::Real;
+use crate::sat::SummedAreaTable;
 use crate::texel::{DType, Texel};
 use crate::wrap::Wrap;
 use std::sync::OnceLock;
@@ -15,6 +16,8 @@ pub(crate) struct Layers<'a, T: Texel> {
     /// Border colour as results have it: linear, premultiplied.
     pub border: [f64; 4],
     pub decoder: Decoder,
+    /// Sums of level 0 in the space of the results, where they were asked for.
+    pub sums: Option<&'a SummedAreaTable>,
 }
 
 /// From codes to numbers that may be averaged, and from averages to results.

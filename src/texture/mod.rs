@@ -7,7 +7,9 @@
 use crate::encode::{Alpha, Encoding, Format, decode, encode};
 use crate::error::{Error, Result};
 use crate::image::{AnyView, Element, Image, Pixels, View, for_any};
+use crate::num::Real;
 use crate::pyramid;
+use crate::sat::SummedAreaTable;
 use crate::texel::{DType, Texel, f16};
 use crate::wrap::Wrap;
 use std::sync::OnceLock;
@@ -71,6 +73,8 @@ pub struct Texture<'a> {
     options: TextureOptions,
     base: Base<'a>,
     levels: OnceLock<Vec<Level>>,
+    /// One a group of channels.
+    tables: Vec<OnceLock<SummedAreaTable>>,
 }
 
 #[derive(Debug)]
@@ -120,6 +124,7 @@ impl Texture<'static> {
             options,
             base: Base::Owned(level),
             levels: OnceLock::new(),
+            tables: vec![OnceLock::new(); format.channels.div_ceil(4)],
         })
     }
 }
@@ -149,6 +154,7 @@ impl<'a> Texture<'a> {
             options,
             base: Base::Borrowed(image),
             levels: OnceLock::new(),
+            tables: vec![OnceLock::new(); format.channels.div_ceil(4)],
         })
     }
 
@@ -202,14 +208,17 @@ impl<'a> Texture<'a> {
         self.dtype == DType::F64
     }
 
-    /// Bytes that the texture holds now: its levels as far as they are made. Borrowed pixels do not count.
+    /// Bytes that the texture holds now: its levels and tables as far as they are made. Borrowed pixels do not
+    /// count.
     pub fn nbytes(&self) -> usize {
         let bytes = |level: &Level| for_any!(Pixels, &level.texels, v => size_of_val(v.as_slice()));
         let base = match &self.base {
             Base::Owned(level) => bytes(level),
             Base::Borrowed(_) => 0,
         };
-        base + self.levels.get().map_or(0, |levels| levels.iter().map(bytes).sum())
+        let levels = self.levels.get().map_or(0, |levels| levels.iter().map(bytes).sum());
+        let tables = self.tables.iter().filter_map(OnceLock::get).map(SummedAreaTable::nbytes);
+        base + levels + tables.sum::<usize>()
     }
 
     /// A level as an image of the texture's own type and encoding (level 0: what was given).
@@ -330,7 +339,38 @@ impl<'a> Texture<'a> {
         }
         let border =
             std::array::from_fn(|lane| self.options.border.get(4 * group + lane).copied().unwrap_or(0.0));
-        Ok(Layers { planes, wrap: self.options.wrap, border, decoder: Decoder::new::<T>(self.stored, group) })
+        let decoder = Decoder::new::<T>(self.stored, group);
+        Ok(Layers { planes, wrap: self.options.wrap, border, decoder, sums: None })
+    }
+
+    /// The summed-area table of one group of channels, made when it is first needed, once.
+    ///
+    /// # Errors
+    /// As [`Texture::layers`], and errors of making the table.
+    pub(crate) fn table<T: Element>(&self, group: usize) -> Result<&SummedAreaTable> {
+        let slot = &self.tables[group];
+        if let Some(table) = slot.get() {
+            return Ok(table);
+        }
+        let layers = self.layers::<T>(group, false)?;
+        let (plane, decoder) = (&layers.planes[0], &layers.decoder);
+        let channels = (self.channels() - 4 * group).min(4);
+        let wrap = self.options.wrap;
+        // Extra texels are part of what the table sums.
+        let extra = wrap.map(|w| i32::from(w == Wrap::Extend));
+        let columns = -extra[0]..plane.width + extra[0];
+        let places = (-extra[1]..plane.height + extra[1]).flat_map(|y| columns.clone().map(move |x| (x, y)));
+        let texels = places.map(|(x, y)| plane.texel(x, y));
+        let (w, h) = (self.width + 2 * extra[0] as usize, self.height + 2 * extra[1] as usize);
+        let image = if decoder.is_plain() {
+            let codes: Vec<T> = texels.flat_map(|t| t.into_iter().take(channels)).collect();
+            Image::new(w, h, channels, T::into_pixels(codes))?
+        } else {
+            let decoded = texels.flat_map(|t| decoder.texel(t).map(Real::to_f64).into_iter().take(channels));
+            Image::new(w, h, channels, decoded.collect::<Vec<f64>>())?
+        };
+        let made = SummedAreaTable::new(image.view(), wrap, Some(&layers.border[..channels]))?;
+        Ok(slot.get_or_init(|| made))
     }
 
     /// The type of the stored elements: the texture's own, but single for decoded half floats.
