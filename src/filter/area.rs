@@ -54,8 +54,7 @@ pub(crate) fn area<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, query: &Query) 
     let longest = (a * a + c * c).max(b * b + d * d).sqrt();
     let height = if longest > 0.0 { query.jacobian_tx.det().abs() / longest } else { 0.0 };
     let height = height.max(axes.sigma1 / LONGEST);
-    let (level, fraction) =
-        lod::split(lod::clamp(log2((height / TARGET) as f32), r.last_level()));
+    let (level, fraction) = lod::split(lod::clamp(log2((height / TARGET) as f32), r.last_level()));
     let fine = on_level(r, level, query);
     let share = (fraction - (1.0 - BAND)) / BAND;
     if share <= 0.0 {
@@ -150,7 +149,8 @@ fn soft<T: Texel, D: Decode<T>>(
             let count = ((centre[0] + p.1.min(q.1)).floor() - first).max(-1.0) + 1.0;
             weights.clear();
             let start = first - centre[0];
-            let [p, q] = [&strips[0], &strips[1]].map(|s| (s.normal[0], s.normal[0] * start + s.normal[1] * dy));
+            let [p, q] =
+                [&strips[0], &strips[1]].map(|s| (s.normal[0], s.normal[0] * start + s.normal[1] * dy));
             weights.extend((0..count as usize).map(|k| {
                 let k = k as f64;
                 strips[0].weight(p.1 + p.0 * k) * strips[1].weight(q.1 + q.0 * k)

@@ -52,8 +52,7 @@ pub(crate) fn ewa<T: Texel, D: Decode<T>>(
     let minor = axes.sigma2.max(axes.sigma1 / max_anisotropy.min(LONGEST));
     let [mx, my] = axes.major;
     // The ellipse's axes as columns.
-    let jacobian_tx =
-        Jacobian::new([[axes.sigma1 * mx, -minor * my], [axes.sigma1 * my, minor * mx]]);
+    let jacobian_tx = Jacobian::new([[axes.sigma1 * mx, -minor * my], [axes.sigma1 * my, minor * mx]]);
     let query = Query { jacobian_tx, ..*query };
     let (level, fraction) = lod::split(lod::clamp(log2(minor as f32) - 1.0, r.last_level()));
     let fine = on_level(r, level, &query);
@@ -108,7 +107,8 @@ fn falloff(u: f64) -> f64 {
     let z = -0.25 * u;
     let series = 1.0
         + z * (1.0
-            + z * (0.5 + z * (1.0 / 6.0 + z * (1.0 / 24.0 + z * (1.0 / 120.0 + z * (1.0 / 720.0 + z / 5040.0))))));
+            + z * (0.5
+                + z * (1.0 / 6.0 + z * (1.0 / 24.0 + z * (1.0 / 120.0 + z * (1.0 / 720.0 + z / 5040.0))))));
     let square = series * series;
     let fourth = square * square;
     (fourth * fourth - RIM).max(0.0)

@@ -7,7 +7,6 @@
 use crate::encode::{Alpha, Encoding, Format, decode, encode};
 use crate::error::{Error, Result};
 use crate::image::{AnyView, Element, Image, Pixels, View, for_any};
-use crate::num::Real;
 use crate::pyramid;
 use crate::sat::SummedAreaTable;
 use crate::texel::{DType, Texel, f16};
@@ -366,7 +365,8 @@ impl<'a> Texture<'a> {
             let codes: Vec<T> = texels.flat_map(|t| t.into_iter().take(channels)).collect();
             Image::new(w, h, channels, T::into_pixels(codes))?
         } else {
-            let decoded = texels.flat_map(|t| decoder.texel(t).map(Real::to_f64).into_iter().take(channels));
+            let decoded = texels
+                .flat_map(|t| decoder.texel(t).map(crate::num::Real::to_f64).into_iter().take(channels));
             Image::new(w, h, channels, decoded.collect::<Vec<f64>>())?
         };
         let made = SummedAreaTable::new(image.view(), wrap, Some(&layers.border[..channels]))?;
