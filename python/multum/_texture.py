@@ -223,11 +223,13 @@ class Texture:
         filter : str
             ``"auto"`` (default), ``"nearest"``, ``"bilinear"``, ``"bicubic"`` (Catmull-Rom), ``"mitchell"``,
             ``"nearest_mipmap_nearest"``, ``"linear_mipmap_nearest"``, ``"nearest_mipmap_linear"``,
-            ``"trilinear"`` (also named ``"linear_mipmap_linear"``), ``"anisotropic"``, ``"exact"`` (the mean of
-            the bilinear reconstruction over the footprint, to rounding), ``"stochastic"`` (one random texel a
-            sample, whose expectation is that mean).
+            ``"trilinear"`` (also named ``"linear_mipmap_linear"``), ``"anisotropic"``, ``"ewa"`` (Gaussian weights
+            over an ellipse), ``"sat"`` (the mean over the upright rectangle around the footprint, from a
+            summed-area table), ``"area"`` (the mean over the footprint, fast and nearly exact), ``"exact"`` (the
+            mean of the bilinear reconstruction over the footprint, to rounding), ``"stochastic"`` (one random
+            texel a sample, whose expectation is that mean).
         max_anisotropy : float, optional
-            Longest footprint, in widths, that ``"anisotropic"`` follows; None, and all above, for 1024.
+            Longest footprint, in widths, that ``"anisotropic"`` and ``"ewa"`` follow; None, and all above, for 1024.
         lod_bias : float
             Added to the level of detail.
         lod_rule : str
