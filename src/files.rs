@@ -48,14 +48,14 @@ fn decode_error(path: &Path, error: ImageError) -> Error {
 }
 
 /// Opens a file with a limit on memory that its size can justify: deflate packs at most 1032 to 1, and the
-/// other formats less, so a short file that claims a huge picture is refused before anything is allocated.
-fn open(path: &Path) -> Result<ImageReader<BufReader<File>>> {
+/// other formats less, so a short file that claims a huge picture is refused before anything is allocated. Returns the limit, too.
+fn open(path: &Path) -> Result<(ImageReader<BufReader<File>>, u64)> {
     let file = File::open(path).map_err(|e| io_error(path, e))?;
     let bytes = file.metadata().map_err(|e| io_error(path, e))?.len();
     limited(path, BufReader::new(file), bytes)
 }
 
-fn limited<R: BufRead + Seek>(path: &Path, reader: R, bytes: u64) -> Result<ImageReader<R>> {
+fn limited<R: BufRead + Seek>(path: &Path, reader: R, bytes: u64) -> Result<(ImageReader<R>, u64)> {
     let mut reader = ImageReader::new(reader).with_guessed_format().map_err(|e| io_error(path, e))?;
     if reader.format().is_none() {
         return Err(file_error(
@@ -63,10 +63,11 @@ fn limited<R: BufRead + Seek>(path: &Path, reader: R, bytes: u64) -> Result<Imag
             format!("not an image of a known kind; expected {}", EXTENSIONS.join(", ")),
         ));
     }
+    let most = bytes.saturating_mul(2048).saturating_add(64 << 20);
     let mut limits = Limits::no_limits();
-    limits.max_alloc = Some(bytes.saturating_mul(2048).saturating_add(64 << 20));
+    limits.max_alloc = Some(most);
     reader.limits(limits);
-    Ok(reader)
+    Ok((reader, most))
 }
 
 fn kind_of(color: ColorType) -> Option<(usize, DType)> {
@@ -91,7 +92,7 @@ fn kind_of(color: ColorType) -> Option<(usize, DType)> {
 /// [`Error::Io`] when it cannot be opened, [`Error::File`] when it is no image or damaged.
 pub fn info(path: impl AsRef<Path>) -> Result<Info> {
     let path = path.as_ref();
-    let reader = open(path)?;
+    let (reader, _) = open(path)?;
     let format = reader.format().map_or(String::new(), |f| format!("{f:?}"));
     let decoder = reader.into_decoder().map_err(|e| decode_error(path, e))?;
     let (width, height) = decoder.dimensions();
@@ -121,8 +122,15 @@ pub fn decode(name: impl AsRef<Path>, bytes: &[u8]) -> Result<Image> {
     pixels_of(name, limited(name, Cursor::new(bytes), bytes.len() as u64)?)
 }
 
-fn pixels_of<R: BufRead + Seek>(path: &Path, reader: ImageReader<R>) -> Result<Image> {
+fn pixels_of<R: BufRead + Seek>(path: &Path, (reader, most): (ImageReader<R>, u64)) -> Result<Image> {
     let mut decoder = reader.into_decoder().map_err(|e| decode_error(path, e))?;
+    // Decoders hold their own working memory to the limit, but not the picture that they fill.
+    let claimed = decoder.total_bytes();
+    if claimed > most || crate::image::zeros::<u8>("path", claimed as usize).is_err() {
+        let (width, height) = decoder.dimensions();
+        let message = format!("claims {width}x{height} pixels in {claimed} bytes; expected at most {most}");
+        return Err(file_error(path, message));
+    }
     let orientation = decoder.orientation().map_err(|e| decode_error(path, e))?;
     let mut picture = DynamicImage::from_decoder(decoder).map_err(|e| decode_error(path, e))?;
     picture.apply_orientation(orientation);
@@ -146,8 +154,8 @@ fn pixels_of<R: BufRead + Seek>(path: &Path, reader: ImageReader<R>) -> Result<I
     Image::new(width, height, channels, pixels)
 }
 
-/// Writes an image; the extension names the format. PNG and TIFF take 8 and 16 bit of 1 to 4 channels (TIFF
-/// also single floats of 3 or 4), JPEG 8 bit of 1 or 3, HDR floats of 3 and EXR floats of 3 or 4.
+/// Writes an image; the extension names the format. PNG takes 8 and 16 bit of 1 to 4 channels, TIFF
+/// of 1, 3 or 4 and single floats of 3 or 4, JPEG 8 bit of 1 or 3, HDR floats of 3 and EXR floats of 3 or 4.
 /// The file is written beside its place and then renamed, so it is whole or absent.
 ///
 /// # Errors
@@ -165,7 +173,7 @@ pub fn write(path: impl AsRef<Path>, image: AnyView<'_>) -> Result<()> {
         ImageFormat::Hdr => &[ExtendedColorType::Rgb32F],
         ImageFormat::OpenExr => &[ExtendedColorType::Rgb32F, ExtendedColorType::Rgba32F],
         ImageFormat::Tiff => &TIFF_COLORS,
-        _ => &TIFF_COLORS[..8],
+        _ => &PNG_COLORS,
     };
     let color = color_of(image.channels(), image.dtype());
     let Some(color) = color.filter(|c| allowed.contains(c)) else {
@@ -182,7 +190,7 @@ pub fn write(path: impl AsRef<Path>, image: AnyView<'_>) -> Result<()> {
     })
 }
 
-const TIFF_COLORS: [ExtendedColorType; 10] = [
+const PNG_COLORS: [ExtendedColorType; 8] = [
     ExtendedColorType::L8,
     ExtendedColorType::La8,
     ExtendedColorType::Rgb8,
@@ -191,17 +199,28 @@ const TIFF_COLORS: [ExtendedColorType; 10] = [
     ExtendedColorType::La16,
     ExtendedColorType::Rgb16,
     ExtendedColorType::Rgba16,
+];
+
+const TIFF_COLORS: [ExtendedColorType; 8] = [
+    ExtendedColorType::L8,
+    ExtendedColorType::Rgb8,
+    ExtendedColorType::Rgba8,
+    ExtendedColorType::L16,
+    ExtendedColorType::Rgb16,
+    ExtendedColorType::Rgba16,
     ExtendedColorType::Rgb32F,
     ExtendedColorType::Rgba32F,
 ];
 
 fn color_of(channels: usize, dtype: DType) -> Option<ExtendedColorType> {
-    let index = match dtype {
-        DType::U8 => channels.checked_sub(1).filter(|i| *i < 4)?,
-        DType::U16 => channels.checked_sub(1).filter(|i| *i < 4)? + 4,
-        DType::F16 | DType::F32 | DType::F64 => channels.checked_sub(3).filter(|i| *i < 2)? + 8,
+    let of = |colors: &[ExtendedColorType], least: usize| {
+        channels.checked_sub(least).and_then(|i| colors.get(i)).copied()
     };
-    Some(TIFF_COLORS[index])
+    match dtype {
+        DType::U8 => of(&PNG_COLORS[..4], 1),
+        DType::U16 => of(&PNG_COLORS[4..], 1),
+        DType::F16 | DType::F32 | DType::F64 => of(&TIFF_COLORS[6..], 3),
+    }
 }
 
 /// The pixels in native byte order, floats as singles.

@@ -75,7 +75,9 @@ pub fn split(clamped: f32) -> (usize, f32) {
 /// The nearest level; halves go down. OpenGL 4.6, section 8.14.3: `ceil(lambda + 1/2) - 1`.
 #[inline(always)]
 pub fn nearest(clamped: f32) -> usize {
-    ((clamped + 0.5).ceil() - 1.0).max(0.0) as usize
+    // Adding the half would round what lies just above it back down.
+    let (level, fraction) = split(clamped);
+    level + usize::from(fraction > 0.5)
 }
 
 #[cfg(test)]
@@ -112,7 +114,9 @@ mod tests {
 
     #[test]
     fn halves_go_down() {
-        for (lod, level) in [(0.0, 0), (0.5, 0), (0.500_001, 1), (1.5, 1), (1.500_001, 2), (2.5, 2)] {
+        for (lod, level) in
+            [(0.0, 0), (0.5, 0), (0.5f32.next_up(), 1), (0.500_001, 1), (1.5, 1), (1.500_001, 2), (2.5, 2)]
+        {
             assert_eq!(nearest(lod), level, "{lod}");
         }
     }

@@ -11,6 +11,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// 0 stands for "as many as the machine has".
 static GLOBAL_LIMIT: AtomicUsize = AtomicUsize::new(0);
 
+/// More threads than this help nobody and are not made.
+const MOST_THREADS: usize = 256;
+
 /// Tiles handed out between two calls of the interrupt hook.
 const TILES_PER_CHECK: usize = 256;
 
@@ -30,8 +33,8 @@ pub fn set_num_threads(threads: usize) {
 pub fn num_threads() -> usize {
     let all = || std::thread::available_parallelism().map_or(1, usize::from);
     match CALL_LIMIT.get().unwrap_or_else(|| GLOBAL_LIMIT.load(Ordering::Relaxed)) {
-        0 => all(),
-        n => n,
+        0 => all().min(MOST_THREADS),
+        n => n.min(MOST_THREADS),
     }
 }
 

@@ -20,6 +20,9 @@ use crate::texture::Decode;
 /// The longest footprint, in widths, that is followed where no other limit is given: a line without width
 /// would need probes without end.
 const MOST: f64 = 1024.0;
+/// Texels that no texture has, and whose fourth power a double still holds: footprints this long see the
+/// coarsest level.
+const BEYOND: f64 = 1e30;
 
 /// The filter at one place; `lod_bias` is added to the level of the probes.
 #[inline(always)]
@@ -34,7 +37,7 @@ pub(crate) fn anisotropic<T: Texel, D: Decode<T>>(
     let lod = log2(width as f32) + lod_bias;
     let ratio = axes.sigma1 / width;
     // Magnified along both axes, a point, or beyond all bounds: nothing that more probes could show.
-    if axes.sigma1 <= 1.0 || !axes.sigma1.is_finite() || ratio.is_nan() || ratio <= 1.0 {
+    if axes.sigma1 <= 1.0 || axes.sigma1 > BEYOND || ratio.is_nan() || ratio <= 1.0 {
         return mipmap(r, Filter::Trilinear, query.s, query.t, lod);
     }
     let k = ((ratio - 1.0) / 2.0).ceil();
@@ -48,15 +51,19 @@ pub(crate) fn anisotropic<T: Texel, D: Decode<T>>(
     }
     let spacing = width * ((ratio * ratio - 1.0) / 12.0 / (second_moment / ratio)).sqrt();
     let step = axes.major.map(|m| m * spacing);
-    let mut sum = [T::Real::ZERO; 4];
+    // A running mean: equal probes give their value, whatever the weights round to.
+    let mut mean = [T::Real::ZERO; 4];
+    let mut total = 0.0;
     let mut i = -k;
     while i <= k {
-        let w = T::Real::from_f64(weight(i) / ratio);
+        let weight = weight(i);
+        total += weight;
+        let share = T::Real::from_f64(if total > 0.0 { weight / total } else { 0.0 });
         let probe = mipmap(r, Filter::Trilinear, query.s + i * step[0], query.t + i * step[1], lod);
-        for (sum, value) in sum.iter_mut().zip(probe) {
-            *sum += w * value;
+        for (mean, value) in mean.iter_mut().zip(probe) {
+            *mean += share * (value - *mean);
         }
         i += 1.0;
     }
-    sum
+    mean
 }
