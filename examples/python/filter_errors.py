@@ -16,7 +16,7 @@ from multum.demo.truth import truth
 FILTERS = (
     *("nearest", "bilinear", "bicubic", "mitchell"),
     *("nearest_mipmap_nearest", "linear_mipmap_nearest", "nearest_mipmap_linear", "trilinear"),
-    *("anisotropic", "stochastic", "exact", "auto"),
+    *("anisotropic", "area", "ewa", "sat", "stochastic", "exact", "auto"),
 )
 
 
