@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::filter::{
     Cubic, Filter, Query, Reader, anisotropic, bicubic, bicubic_gradient, bilinear, bilinear_gradient,
 };
-use crate::filter::{area, ewa, exact, mipmap, nearest, sat, stochastic};
+use crate::filter::{area, auto, ewa, exact, mipmap, nearest, sat, stochastic};
 use crate::image::Element;
 use crate::jacobian::Jacobian;
 use crate::kernel::{Isa, compiled_for};
@@ -354,9 +354,8 @@ impl Sampler {
             Filter::Stochastic => stochastic(r, &query.with_lod(lod, self.lod_bias), self.seed),
             // Nothing to weigh: the error of the exact mean is rounding.
             Filter::Auto if self.tolerance.is_some() => exact(r, &query.with_lod(lod, self.lod_bias)),
-            Filter::Auto | Filter::Anisotropic if lod.is_none() => {
-                anisotropic(r, query, self.max_anisotropy, self.lod_bias)
-            }
+            Filter::Auto => auto(r, &query.with_lod(lod, self.lod_bias)),
+            Filter::Anisotropic if lod.is_none() => anisotropic(r, query, self.max_anisotropy, self.lod_bias),
             filter => {
                 let lod = lod.unwrap_or_else(|| self.lod_rule.lod(query.jacobian_tx)) + self.lod_bias;
                 mipmap(r, filter, s, t, lod)

@@ -8,6 +8,7 @@ use crate::texture::{Decode, Layers};
 
 mod anisotropic;
 mod area;
+mod auto;
 mod bicubic;
 mod bilinear;
 mod ewa;
@@ -21,6 +22,7 @@ mod sum;
 
 pub(crate) use anisotropic::anisotropic;
 pub(crate) use area::area;
+pub(crate) use auto::auto;
 pub(crate) use bicubic::{Cubic, bicubic, bicubic_gradient};
 pub(crate) use bilinear::{bilinear, bilinear_gradient};
 pub(crate) use ewa::ewa;
