@@ -93,7 +93,7 @@ impl<O: Copy> Slots<'_, O> {
             for (k, slot) in queries[..count].iter_mut().enumerate() {
                 let index = self.first + block * BLOCK + k;
                 let (query, lod) = places(index);
-                *slot = (Query { index: index as u64, ..query }, lod);
+                *slot = (Query { index: index as u64, ..query }.bounded(), lod);
             }
             compiled_for(isa, || {
                 for ((query, lod), average_slot) in queries[..count].iter().zip(&mut averages) {

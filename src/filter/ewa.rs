@@ -29,7 +29,7 @@ use crate::texture::Decode;
 use std::cell::RefCell;
 
 /// Variance of `exp(-2 r^2) - exp(-2)` on the unit disc, along an axis.
-const VARIANCE: f64 = 0.136_083_2;
+const VARIANCE: f64 = 0.136_080_29;
 /// Longest ellipse, in widths, where no limit is given.
 const LONGEST: f64 = 4096.0;
 /// Largest axis, in texels of the coarsest level: beyond, nothing changes that could be seen.

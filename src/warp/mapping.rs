@@ -110,11 +110,10 @@ impl Mapping<'_> {
     /// The map of a 3x3 matrix: affine where its last row is (0, 0, c).
     pub fn from_matrix(h: [[f64; 3]; 3]) -> Self {
         let [[a, b, c], [d, e, f], [g, i, w]] = h;
-        if g == 0.0 && i == 0.0 && w != 0.0 {
-            Self::Affine([[a / w, b / w, c / w], [d / w, e / w, f / w]])
-        } else {
-            Self::Projective(h)
-        }
+        let affine = [[a / w, b / w, c / w], [d / w, e / w, f / w]];
+        // Where the division overflows, places are not finite, which the other form can tell.
+        let finite = affine.iter().flatten().all(|x| x.is_finite());
+        if g == 0.0 && i == 0.0 && finite { Self::Affine(affine) } else { Self::Projective(h) }
     }
 
     /// Checks that there is a place for each pixel and that matrices are finite.

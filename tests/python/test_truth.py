@@ -113,3 +113,14 @@ def test_more_anisotropy_is_never_worse() -> None:
     ]
     assert (np.diff(found) <= 0.02).all(), found
     assert found[-1] < found[0] / 2
+
+
+@pytest.mark.parametrize("scale", [3.0, 4.6])
+def test_a_photograph_turned_and_shrunk(scale: float) -> None:
+    image = photograph()
+    centre = image.shape[0] / 2
+    c, s = math.cos(0.5) * scale, math.sin(0.5) * scale
+    n = int(image.shape[0] / scale * 0.7)
+    matrix = np.array([[c, -s, centre - (c - s) * n / 2], [s, c, centre - (s + c) * n / 2], [0, 0, 1.0]])
+    ours, theirs = errors(image, matrix, (n, n), 16, False)
+    assert ours <= theirs / 3, (ours, theirs)
