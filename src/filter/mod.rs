@@ -102,7 +102,10 @@ impl Filter {
 
     /// Whether the filter reads levels beyond the first.
     pub fn uses_levels(self) -> bool {
-        !matches!(self, Self::Nearest | Self::Bilinear | Self::Bicubic | Self::Mitchell | Self::Stochastic)
+        !matches!(
+            self,
+            Self::Nearest | Self::Bilinear | Self::Bicubic | Self::Mitchell | Self::Sat | Self::Stochastic
+        )
     }
 
     /// Whether the filter is the bilinear reconstruction wherever the footprint is at most a texel.
