@@ -50,8 +50,8 @@ def write_image(path: str | os.PathLike[str], image: ArrayLike) -> None:
     """Write an image; the name's extension chooses the format.
 
     PNG takes 8 and 16 bits of 1 to 4 channels, TIFF of 1, 3 or 4 and ``float32`` of 3 or 4, JPEG 8 bits of
-    1 or 3, HDR floats of 3, EXR floats of 3 or 4. The file is written beside its place and then renamed: it is whole
-    or absent.
+    1 or 3, HDR floats of 3, EXR floats of 3 or 4. The file is written beside its place and then renamed: it is
+    whole or absent.
 
     Raises
     ------

@@ -229,7 +229,8 @@ class Texture:
             mean of the bilinear reconstruction over the footprint, to rounding), ``"stochastic"`` (one random
             texel a sample, whose expectation is that mean).
         max_anisotropy : float, optional
-            Longest footprint, in widths, that ``"anisotropic"`` and ``"ewa"`` follow; None, and all above, for 1024.
+            Longest footprint, in widths, that ``"anisotropic"`` and ``"ewa"`` follow; None, and all above, for
+            1024.
         lod_bias : float
             Added to the level of detail.
         lod_rule : str
