@@ -365,7 +365,7 @@ def warpAffine(
     >>> from multum.compat import cv2
     >>> stripes = np.tile(np.uint8([0, 200]), (4, 8))
     >>> half = np.float32([[0.5, 0, -0.25], [0, 0.5, -0.25]])
-    >>> cv2.warpAffine(stripes, half, (3, 1), borderMode=cv2.BORDER_REPLICATE).tolist()
+    >>> cv2.warpAffine(stripes, half, (3, 1), borderMode=cv2.BORDER_WRAP).tolist()
     [[100, 100, 100]]
     """
     matrix = _arrays.matrix("M", M, 2)
