@@ -46,15 +46,17 @@ impl Viewport {
 
     /// Divides and snaps. The caller knows that the vertex lies within the guard band and `w > 0`.
     fn snap(&self, [x, y, z, w]: [f64; 4]) -> Screen {
-        let place = |c: f64, half: f64| {
-            let place = (c / w + 1.0) * half * SUB as f64 + 0.5;
+        let place = |c: f64, half: f64, guard: f64| {
+            // A vertex made by clipping may lie outside by the rounding of its coordinates, and far outside
+            // where these are small differences of large numbers.
+            let place = ((c / w).clamp(-guard, guard) + 1.0) * half * SUB as f64 + 0.5;
             // The floor, without the call that `f64::floor` is on older processors.
             let toward_zero = place as i32;
             toward_zero - i32::from(f64::from(toward_zero) > place)
         };
         Screen {
-            x: place(x, self.half[0]),
-            y: place(-y, self.half[1]),
+            x: place(x, self.half[0], self.guard[0]),
+            y: place(-y, self.half[1], self.guard[1]),
             z: (z / w).clamp(-1.0, 1.0) as f32,
             code: 0,
         }
