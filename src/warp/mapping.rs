@@ -112,7 +112,7 @@ impl Mapping<'_> {
         let [[a, b, c], [d, e, f], [g, i, w]] = h;
         let affine = [[a / w, b / w, c / w], [d / w, e / w, f / w]];
         // Where the division overflows, places are not finite, which the other form can tell.
-        let finite = affine.iter().flatten().all(|x| x.is_finite());
+        let finite = w.is_finite() && affine.iter().flatten().all(|x| x.is_finite());
         if g == 0.0 && i == 0.0 && finite { Self::Affine(affine) } else { Self::Projective(h) }
     }
 
