@@ -222,8 +222,7 @@ fn exact_takes_any_extent_in_bounded_time() {
             ];
             let values = sample(&Sampler::new(Filter::Exact), &texture, &places);
             assert!(values.iter().all(|v| (0.0..=1.0).contains(v)), "{wrap:?} {extent} {values:?}");
-            // Beyond 1e30 a footprint counts as infinite and shows the coarsest level.
-            if wrap == Wrap::Border && (1e12..1e30).contains(&extent) {
+            if wrap == Wrap::Border && extent >= 1e12 {
                 assert!((values[0] - 0.25).abs() < 1e-6, "{values:?}");
             }
         }

@@ -149,14 +149,15 @@ impl Query {
         Self { jacobian_tx: jacobian.scaled(scale, scale), ..self }.bounded()
     }
 
-    /// The same with derivatives beyond 1e30 texels a pixel infinite, and those below 1e-30 zero: no
-    /// texture is that large, and squares and quotients of what is left stay finite.
+    /// The same with finite derivatives beyond 1e30 texels a pixel cut to that, and those below 1e-30 to zero:
+    /// no texture is that large, and squares and quotients of what is left stay finite.
     #[inline(always)]
     pub fn bounded(mut self) -> Self {
         for x in self.jacobian_tx.m.iter_mut().flatten() {
-            if x.abs() > 1e30 {
-                *x = f64::INFINITY;
-            } else if x.abs() < 1e-30 {
+            if x.is_finite() {
+                *x = x.clamp(-1e30, 1e30);
+            }
+            if x.abs() < 1e-30 {
                 *x = 0.0;
             }
         }
