@@ -136,3 +136,11 @@ def delivered(work: Array, dst: Array | None) -> Array:
                 dst[...] = result
             return dst
     return result
+
+
+def limits(dtype: np.dtype[Any]) -> tuple[int, int]:
+    """The least and the greatest number of a type of integers."""
+    if dtype.kind == "b":
+        return 0, 1
+    limits = np.iinfo(dtype)
+    return int(limits.min), int(limits.max)
