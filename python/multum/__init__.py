@@ -1,6 +1,7 @@
 """Texture sampling and filtering on the CPU."""
 
 from . import compat, mapping, panorama, reference
+from ._chart import chart
 from ._files import ImageInfo, image_info, read_image, write_image
 from ._mesh import Camera, Material, Mesh, MeshImage, Scene, TextureSlot, vertex_normals
 from ._multum import __version__
@@ -25,6 +26,7 @@ __all__ = [
     "TextureSlot",
     "__version__",
     "build_pyramid",
+    "chart",
     "checkerboard",
     "compat",
     "get_num_threads",
