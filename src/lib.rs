@@ -17,6 +17,7 @@
 //! - [`Sampler`] is *how*: a [`Filter`] and its limits, over batches of places with their [`Extent`].
 //! - [`warp`] turns images into images, [`mapping`] points and directions into places, with derivatives;
 //!   [`raster`] and [`mesh`] bring triangles to the screen.
+//! - [`compat`] is the arithmetic of other libraries, for the drop-ins.
 //!
 //! # Conventions
 //!
@@ -62,6 +63,8 @@ pub mod filter;
 pub mod sampler;
 
 pub mod warp;
+
+pub mod compat;
 
 pub mod mapping;
 

@@ -25,6 +25,7 @@ const RANKS: &[(&str, u32)] = &[
     ("sampler", 8),
     ("mapping", 8),
     ("warp", 9),
+    ("compat", 10),
     ("mesh", 10),
     ("raster", 11),
     ("shade", 12),

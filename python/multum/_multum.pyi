@@ -134,6 +134,17 @@ def map_minifies(
     width: int,
     height: int,
 ) -> bool: ...
+def cv2_pyramid(
+    src: Any, dst: Any, size: Sequence[int] | None, border: int, enlarge: bool
+) -> NDArray[Any] | None: ...
+def cv2_integral(src: Any, given: tuple[Any, ...], sum_depth: int, square_depth: int) -> Any: ...
+def cv2_undistortion(
+    intrinsics: tuple[float, float, float, float],
+    lens: list[float],
+    inverse: list[float],
+    first: NDArray[Any],
+    second: NDArray[Any] | None,
+) -> None: ...
 
 _Triple = tuple[float, float, float]
 _Pair = tuple[float, float]

@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 
 pub mod convert;
+mod cv2;
 mod errors;
 mod files;
 mod mapping;
@@ -21,6 +22,7 @@ mod warp;
 #[pymodule]
 fn _multum(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    cv2::register(module)?;
     files::register(module)?;
     mapping::register(module)?;
     mesh::register(module)?;

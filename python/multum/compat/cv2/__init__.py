@@ -8,6 +8,7 @@ not alias. ``INTER_NEAREST`` is never filtered: labels have no average.
 Beyond OpenCV: images of any size and number of channels, ``float64`` maps, ``float16`` images.
 """
 
+from . import fisheye
 from ._arrays import error
 from ._constants import (
     ALGO_HINT_ACCURATE,
@@ -50,9 +51,11 @@ from ._constants import (
     WARP_POLAR_LOG,
     WARP_RELATIVE_MAP,
 )
-from ._integral import integral
+from ._integral import integral, integral2, integral3
+from ._pyramids import buildPyramid, pyrDown, pyrUp
 from ._remap import convertMaps, remap
 from ._resize import resize
+from ._undistort import initUndistortRectifyMap, undistort
 from ._warps import getRectSubPix, warpAffine, warpPerspective, warpPolar
 
 __all__ = [
@@ -95,12 +98,20 @@ __all__ = [
     "WARP_POLAR_LINEAR",
     "WARP_POLAR_LOG",
     "WARP_RELATIVE_MAP",
+    "buildPyramid",
     "convertMaps",
     "error",
+    "fisheye",
     "getRectSubPix",
+    "initUndistortRectifyMap",
     "integral",
+    "integral2",
+    "integral3",
+    "pyrDown",
+    "pyrUp",
     "remap",
     "resize",
+    "undistort",
     "warpAffine",
     "warpPerspective",
     "warpPolar",

@@ -144,3 +144,10 @@ def limits(dtype: np.dtype[Any]) -> tuple[int, int]:
         return 0, 1
     limits = np.iinfo(dtype)
     return int(limits.min), int(limits.max)
+
+
+def made(result: Array | None) -> Array:
+    """What a compiled function answers to arguments that it must take."""
+    if result is None:
+        raise error("src: got memory that cannot be read as it lies, expected an array of numbers")
+    return result
