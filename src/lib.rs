@@ -16,7 +16,7 @@
 //!   ([`encode`]). Levels are made when a filter first reads them.
 //! - [`Sampler`] is *how*: a [`Filter`] and its limits, over batches of places with their [`Extent`].
 //! - [`warp`] turns images into images, [`mapping`] points and directions into places, with derivatives;
-//!   [`raster`] and [`mesh`] bring triangles to the screen.
+//!   [`raster`] and [`mesh`] bring triangles to the screen, [`shade`] and [`render`] light them.
 //! - [`compat`] is the arithmetic of other libraries, for the drop-ins.
 //!
 //! # Conventions
@@ -70,6 +70,10 @@ pub mod mapping;
 
 pub mod mesh;
 pub mod raster;
+
+pub mod shade;
+
+pub mod render;
 
 pub mod oracle;
 

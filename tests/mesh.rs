@@ -408,6 +408,7 @@ fn real_models_load_with_the_expected_counts() {
                 ImageSource::File(path) => assert!(path.is_file(), "{path:?}"),
                 ImageSource::Embedded { bytes, .. } => assert!(bytes.len() > 1000),
                 ImageSource::Missing(reason) => panic!("{reason}"),
+                ImageSource::Pixels(_) => panic!("files hold no decoded pixels"),
             }
         }
         let visible = scene.camera().project(&mesh.positions, 64, 64);

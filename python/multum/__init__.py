@@ -1,12 +1,13 @@
 """Texture sampling and filtering on the CPU."""
 
-from . import compat, mapping, panorama, reference
+from . import compat, light, mapping, panorama, reference
 from ._chart import chart
 from ._files import ImageInfo, image_info, read_image, write_image
-from ._mesh import Camera, Material, Mesh, MeshImage, Scene, TextureSlot, vertex_normals
+from ._mesh import Camera, Layer, Material, Mesh, MeshImage, Scene, TextureSlot, vertex_normals
 from ._multum import __version__
 from ._pyramid import build_pyramid
 from ._raster import Fragments, rasterize
+from ._render import TextureUse, render, right_size
 from ._sat import SummedAreaTable
 from ._texture import Texture
 from ._threads import get_num_threads, set_num_threads
@@ -17,6 +18,7 @@ __all__ = [
     "Camera",
     "Fragments",
     "ImageInfo",
+    "Layer",
     "Material",
     "Mesh",
     "MeshImage",
@@ -24,6 +26,7 @@ __all__ = [
     "SummedAreaTable",
     "Texture",
     "TextureSlot",
+    "TextureUse",
     "__version__",
     "build_pyramid",
     "chart",
@@ -31,13 +34,16 @@ __all__ = [
     "compat",
     "get_num_threads",
     "image_info",
+    "light",
     "mapping",
     "panorama",
     "rasterize",
     "read_image",
     "reference",
     "remap",
+    "render",
     "resize",
+    "right_size",
     "set_num_threads",
     "vertex_normals",
     "warp",

@@ -2,8 +2,8 @@
 
 import math
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, SupportsIndex
 
@@ -14,6 +14,9 @@ from . import _multum
 from ._arguments import image_size
 from ._files import read_image
 from ._texture import Texture
+from .light import Light, from_parts
+
+_IDENTITY = np.array([[1, 0, 0], [0, 1, 0]], np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,17 +25,17 @@ class TextureSlot:
 
     image: int
     """Index into :attr:`Mesh.images`."""
-    uv_set: int
+    uv_set: int = 0
     """Index into :attr:`Mesh.uv_sets`."""
-    transform: NDArray[np.float32]
+    transform: NDArray[np.float32] = field(default_factory=_IDENTITY.copy)
     """(2, 3): the texture is read at ``transform[:, :2] @ uv + transform[:, 2]``."""
-    wrap: tuple[str, str]
+    wrap: tuple[str, str] = ("repeat", "repeat")
     """Wrap modes of u and v."""
-    mag_filter: str | None
+    mag_filter: str | None = None
     """Filter for enlargement, where the file names one."""
-    min_filter: str | None
+    min_filter: str | None = None
     """Filter for reduction, where the file names one."""
-    encoding: str
+    encoding: str = "srgb"
     """What the codes mean in this slot: ``"srgb"``, ``"linear"`` or ``"normal"``."""
 
     def uv(
@@ -45,19 +48,39 @@ class TextureSlot:
 
 
 @dataclass(frozen=True, eq=False)
+class Layer:
+    """One more texture of a material.
+
+    With t and a for the texel's colour and alpha, c and b for those that are there, ``blend`` is ``"modulate"``
+    (c t, b a), ``"replace"`` (t, a), ``"decal"`` (c (1 - a) + t a, b) or ``"add"`` (c + t, b a).
+    """
+
+    texture: TextureSlot
+    blend: str = "modulate"
+    after_light: bool = False
+    """Whether it meets the lit colour rather than the base colour."""
+
+
+@dataclass(frozen=True, eq=False)
 class Material:
     """A material: glTF's metallic-roughness model and MTL's Phong model side by side.
 
     Each number is multiplied by the texture of its slot, where there is one; what a format does not have
-    keeps its default. Colours are linear.
+    keeps its default. Colours are linear. Materials do not change: :func:`dataclasses.replace` makes others.
     """
 
     name: str = ""
+    model: str = "phong"
+    """``"phong"`` (kd is ``base_color``, ka ``ambient * base_color``, ks ``specular``, p ``shininess``) or
+    ``"metallic_roughness"`` (all from ``base_color``, ``metallic`` and ``roughness``)."""
     base_color: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0)
     metallic: float = 0.0
     roughness: float = 1.0
     normal_scale: float = 1.0
+    normal_space: str = "tangent"
+    """What normal maps hold: vectors in ``"tangent"`` space or in ``"object"`` space."""
     bump_scale: float = 1.0
+    """Height, in the scene's unit, of the value 1 of ``bump_texture``."""
     occlusion_strength: float = 1.0
     emissive: tuple[float, ...] = (0.0, 0.0, 0.0)
     ambient: tuple[float, ...] = (1.0, 1.0, 1.0)
@@ -77,15 +100,18 @@ class Material:
     emissive_texture: TextureSlot | None = None
     specular_texture: TextureSlot | None = None
     shininess_texture: TextureSlot | None = None
+    layers: tuple[Layer, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class MeshImage:
-    """A picture that materials name: in a file of its own, or still encoded in the mesh's file."""
+    """A picture that materials name: in a file of its own, still encoded in the mesh's file, or an array."""
 
     name: str
-    path: Path | None
-    data: bytes | None = field(repr=False)
+    path: Path | None = None
+    data: bytes | None = field(default=None, repr=False)
+    pixels: NDArray[Any] | None = field(default=None, repr=False)
+    """(H, W) or (H, W, C), as :class:`Texture` takes them; goes before the other two."""
 
     def read(self) -> NDArray[Any]:
         """Decode the picture, as :func:`read_image` does.
@@ -95,6 +121,8 @@ class MeshImage:
         OSError
             When it is missing or damaged.
         """
+        if self.pixels is not None:
+            return self.pixels
         if self.path is not None:
             return read_image(self.path)
         if self.data is None:
@@ -161,6 +189,144 @@ class Mesh:
         ([[0, 1, 2]], [0.0, 0.0, 1.0], [0.0, 0.0])
         """
         return Scene.open(path, normals=normals).mesh
+
+    @classmethod
+    def build(
+        cls,
+        positions: ArrayLike,
+        faces: ArrayLike,
+        *,
+        uv: ArrayLike | None = None,
+        normals: ArrayLike | str = "smooth",
+        colors: ArrayLike | None = None,
+        material: Material | None = None,
+        texture: ArrayLike | None = None,
+        images: Sequence[MeshImage | ArrayLike] = (),
+    ) -> "Mesh":
+        """Make a mesh of one material from arrays. Tangents are made by MikkTSpace, which may split vertices.
+
+        Parameters
+        ----------
+        positions : array, shape (V, 3)
+        faces : array of whole numbers, shape (F, 3)
+            Counter-clockwise seen from the front.
+        uv : array, shape (V, 2), optional
+            Texture coordinates, v down.
+        normals : array, shape (V, 3), or str
+            Unit vectors, or how to make them: ``"smooth"`` or ``"flat"``.
+        colors : array, shape (V, 4), optional
+            Linear colours with alpha.
+        material : Material, optional
+            Default: white.
+        texture : array, shape (H, W) or (H, W, C), optional
+            A picture in sRGB for the base colour; it becomes the last of ``images``.
+        images : sequence of MeshImage or arrays
+            What the slots of ``material`` name.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For a shape, dtype, index or word that does not fit.
+
+        Examples
+        --------
+        >>> import numpy as np, multum as mt
+        >>> square = [[-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]]
+        >>> board = np.uint8([[0, 255], [255, 0]])
+        >>> mesh = mt.Mesh.build(
+        ...     square, [[0, 3, 2], [0, 2, 1]], uv=[[0, 0], [1, 0], [1, 1], [0, 1]], texture=board
+        ... )
+        >>> mt.render(mt.Scene(mesh), size=(64, 48)).shape
+        (48, 64, 4)
+        """
+        word, given = (normals, None) if isinstance(normals, str) else ("smooth", normals)
+        parts = _multum.build_mesh(positions, faces, given, [] if uv is None else [uv], colors, word)
+        pictures = [
+            image if isinstance(image, MeshImage) else MeshImage("pixels", pixels=np.asarray(image))
+            for image in images
+        ]
+        made = Material() if material is None else material
+        if texture is not None:
+            made = replace(made, base_color_texture=TextureSlot(len(pictures)))
+            pictures.append(MeshImage("texture", pixels=np.asarray(texture)))
+        return cls(**{**parts, "materials": [made], "images": pictures})
+
+    @classmethod
+    def join(cls, meshes: Iterable["Mesh"]) -> "Mesh":
+        """One mesh from several, which keep their materials and pictures.
+
+        Raises
+        ------
+        ValueError
+            For no mesh at all.
+        """
+        parts = list(meshes)
+        if not parts:
+            raise ValueError("meshes: got none, expected at least one mesh")
+        sets = max(len(mesh.uv_sets) for mesh in parts)
+        colored = any(mesh.colors is not None for mesh in parts)
+        vertices = np.cumsum([0, *(len(mesh.positions) for mesh in parts)])
+        materials: list[Material] = []
+        images: list[MeshImage] = []
+        face_material = []
+        for mesh in parts:
+            face_material.append(mesh.face_material + np.uint32(len(materials)))
+            materials += [_moved(material, len(images)) for material in mesh.materials]
+            images += mesh.images
+
+        def rows(get: Any) -> Any:
+            return np.concatenate([get(mesh) for mesh in parts])
+
+        def uv_set(mesh: Mesh, k: int) -> NDArray[np.float32]:
+            return (
+                mesh.uv_sets[k] if k < len(mesh.uv_sets) else np.zeros((len(mesh.positions), 2), np.float32)
+            )
+
+        def color(mesh: Mesh) -> NDArray[np.float32]:
+            white = np.ones((len(mesh.positions), 4), np.float32)
+            return white if mesh.colors is None else mesh.colors
+
+        return cls(
+            positions=rows(lambda m: m.positions),
+            normals=rows(lambda m: m.normals),
+            tangents=rows(lambda m: m.tangents),
+            uv_sets=[np.concatenate([uv_set(mesh, k) for mesh in parts]) for k in range(sets)],
+            colors=rows(color) if colored else None,
+            faces=np.concatenate(
+                [mesh.faces + np.uint32(first) for mesh, first in zip(parts, vertices, strict=False)]
+            ),
+            face_material=np.concatenate(face_material),
+            materials=materials,
+            images=images,
+        )
+
+    def moved(self, matrix: ArrayLike) -> "Mesh":
+        """The mesh moved by a (4, 4) or (3, 4) matrix for column vectors; a mirroring one turns the faces.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For a shape that does not fit and for matrices that are not finite.
+        """
+        m = np.asarray(matrix, np.float64)
+        if m.shape not in ((4, 4), (3, 4)) or not np.isfinite(m).all():
+            raise ValueError(
+                f"matrix: got shape {m.shape}, expected finite numbers of shape (4, 4) or (3, 4)"
+            )
+        linear = m[:3, :3]
+        cofactors = np.cross(linear[[1, 2, 0]], linear[[2, 0, 1]])
+        mirrors = float(np.linalg.det(linear)) < 0
+        normals = _unit(self.normals @ cofactors.T * (-1 if mirrors else 1))
+        tangents = np.concatenate(
+            [_unit(self.tangents[:, :3] @ linear.T), self.tangents[:, 3:] * (-1 if mirrors else 1)], 1
+        )
+        return replace(
+            self,
+            positions=(self.positions @ linear.T + m[:3, 3]).astype(np.float32),
+            normals=normals,
+            tangents=tangents.astype(np.float32),
+            faces=self.faces[:, ::-1] if mirrors else self.faces,
+        )
 
     def texture(self, slot: TextureSlot) -> Texture:
         """Decode the picture of a slot into a texture with the slot's encoding and wrap modes.
@@ -238,13 +404,27 @@ class Camera:
         """World space to clip space for a picture of this (width, height), (4, 4), for column vectors."""
         return self._native.matrix(image_size(size))
 
+    def turned(self, degrees: float, center: ArrayLike = (0.0, 0.0, 0.0)) -> "Camera":
+        """The camera carried around the vertical (y) axis through ``center``, counter-clockwise from above.
+
+        Examples
+        --------
+        >>> import multum as mt
+        >>> mt.Camera((0, 1, 5)).turned(90).eye.round(6).tolist()
+        [5.0, 1.0, 0.0]
+        """
+        return Camera._of(self._native.turned(_place("center", center), math.radians(degrees)))
+
     def project(self, points: ArrayLike, size: tuple[SupportsIndex, SupportsIndex]) -> NDArray[np.float64]:
         """Clip-space positions (..., 4) of points (..., 3): what :func:`rasterize` takes."""
         return self._native.project(points, image_size(size))
 
 
 class Scene:
-    """A mesh and the cameras of its file.
+    """A mesh, cameras and lights: what :func:`render` draws.
+
+    Everything may be replaced: ``scene.mesh``, ``scene.cameras``, ``scene.lights``. Without lights (None) a lamp
+    at the camera and some ambient light are used.
 
     Examples
     --------
@@ -255,17 +435,23 @@ class Scene:
     >>> clip = scene.camera("auto").project(scene.mesh.positions, (64, 48))
     >>> int((mt.rasterize(clip, scene.mesh.faces, (64, 48)).triangle == 0).sum()) > 200
     True
+    >>> scene.lights = [mt.light.Directional((0, 0, -1)), mt.light.Ambient(0.1)]
+    >>> mt.render(scene, size=(64, 48)).dtype
+    dtype('uint8')
     """
 
-    def __init__(self, mesh: Mesh, cameras: Sequence[Camera], default: Camera) -> None:
+    def __init__(
+        self, mesh: Mesh, cameras: Iterable[Camera] = (), lights: Iterable[Light] | None = None
+    ) -> None:
         self.mesh = mesh
         self.cameras = list(cameras)
-        self._default = default
+        self.lights: list[Light] | None = None if lights is None else list(lights)
+        self._textures: tuple[list[MeshImage], _multum.Textures] | None = None
 
     @classmethod
     def open(cls, path: str | os.PathLike[str], *, normals: str = "auto") -> "Scene":
         """Read a glTF (``.gltf``, ``.glb``) or OBJ file; see :meth:`Mesh.open`."""
-        parts, cameras, default = _multum.open_scene(os.fspath(path), normals)
+        parts, cameras, lights = _multum.open_scene(os.fspath(path), normals)
         mesh = Mesh(
             **{
                 **parts,
@@ -276,7 +462,29 @@ class Scene:
                 ],
             }
         )
-        return cls(mesh, [Camera._of(camera) for camera in cameras], Camera._of(default))
+        lamps = [from_parts(*light) for light in lights]
+        return cls(mesh, [Camera._of(camera) for camera in cameras], lamps or None)
+
+    def add(self, mesh: Mesh, matrix: ArrayLike | None = None) -> None:
+        """Put one more mesh into the scene, moved by a matrix as :meth:`Mesh.moved` takes it."""
+        self.mesh = Mesh.join([self.mesh, mesh if matrix is None else mesh.moved(matrix)])
+
+    @property
+    def center(self) -> NDArray[np.float64]:
+        """The middle of the box around the mesh, (3,)."""
+        used = self.mesh.positions[self.mesh.faces].reshape(-1, 3).astype(np.float64)
+        return np.zeros(3) if len(used) == 0 else (used.min(0) + used.max(0)) / 2
+
+    def _texture_store(self) -> _multum.Textures:
+        """The textures made so far, as long as the mesh has the same pictures."""
+        images = self.mesh.images
+        if self._textures is not None:
+            known, store = self._textures
+            if len(known) == len(images) and all(a is b for a, b in zip(known, images, strict=True)):
+                return store
+        store = _multum.Textures()
+        self._textures = (list(images), store)
+        return store
 
     def camera(self, name: str = "auto") -> Camera:
         """The camera of this name; ``"auto"``: the file's first, or one that frames the scene.
@@ -287,7 +495,9 @@ class Scene:
             When there is no camera of this name.
         """
         if name == "auto":
-            return self._default
+            if self.cameras:
+                return self.cameras[0]
+            return Camera._of(_multum.Camera.framing(self.mesh.positions, self.mesh.faces))
         for camera in self.cameras:
             if camera.name == name:
                 return camera
@@ -303,6 +513,24 @@ def _place(name: str, value: ArrayLike) -> list[float]:
     if place.shape != (3,):
         raise ValueError(f"{name}: got shape {place.shape}, expected 3 numbers")
     return [float(x) for x in place]
+
+
+def _unit(vectors: NDArray[np.floating]) -> NDArray[np.float32]:
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return (vectors / np.where(lengths > 0, lengths, 1)).astype(np.float32)
+
+
+def _moved(material: Material, images: int) -> Material:
+    """The material with its slots naming pictures so many places later."""
+
+    def later(slot: TextureSlot) -> TextureSlot:
+        return replace(slot, image=slot.image + images)
+
+    slots: dict[str, Any] = {
+        name: later(value) for name, value in vars(material).items() if isinstance(value, TextureSlot)
+    }
+    layers = tuple(replace(layer, texture=later(layer.texture)) for layer in material.layers)
+    return replace(material, **slots, layers=layers)
 
 
 def _material(values: dict[str, Any]) -> Material:

@@ -241,8 +241,46 @@ class Camera:
     def view(self) -> NDArray[np.float64]: ...
     def matrix(self, size: tuple[int, int]) -> NDArray[np.float64]: ...
     def project(self, points: ArrayLike, size: tuple[int, int]) -> NDArray[np.float64]: ...
+    @staticmethod
+    def framing(positions: ArrayLike, faces: ArrayLike) -> Camera: ...
+    def turned(self, center: list[float], angle_rad: float) -> Camera: ...
 
-def open_scene(path: str, normals: str) -> tuple[dict[str, Any], list[Camera], Camera]: ...
+_Vector = tuple[float, float, float]
+_Light = tuple[str, _Vector, _Vector, float | None, tuple[_Vector, tuple[float, float]] | None]
+
+def open_scene(path: str, normals: str) -> tuple[dict[str, Any], list[Camera], list[_Light]]: ...
+def build_mesh(
+    positions: ArrayLike,
+    faces: ArrayLike,
+    normals: ArrayLike | None,
+    uv_sets: list[ArrayLike],
+    colors: ArrayLike | None,
+    missing: str,
+) -> dict[str, Any]: ...
+
+@final
+class Textures:
+    def __new__(cls) -> Self: ...
+
+@final
+class Drawing:
+    def __new__(cls, parts: dict[str, Any]) -> Self: ...
+    def render(
+        self,
+        textures: Textures,
+        camera: Camera,
+        lights: list[_Light] | None,
+        size: tuple[int, int],
+        sampling: Sampling,
+        file_filters: bool,
+        background: tuple[float, float, float, float],
+        supersample: int,
+        debug: str | None,
+        report: bool,
+        linear: bool,
+        progress: Callable[[float], object] | None,
+    ) -> tuple[NDArray[Any], list[Any]]: ...
+
 def vertex_normals(positions: ArrayLike, faces: ArrayLike) -> NDArray[np.float32]: ...
 
 @final

@@ -104,6 +104,20 @@ impl Camera {
         Self { fits_shorter_side: true, ..camera }
     }
 
+    /// The same camera carried around the vertical (y) axis through `center`, counter-clockwise seen from above.
+    pub fn turned(&self, center: Vec3, angle_rad: f64) -> Self {
+        let (s, c) = angle_rad.sin_cos();
+        let [x, _, z] = center;
+        // Turning the camera one way is turning the world the other way before it is seen.
+        let turn = [
+            [c, 0.0, -s, x - c * x + s * z],
+            [0.0, 1.0, 0.0, 0.0],
+            [s, 0.0, c, z - s * x - c * z],
+            [0.0, 0.0, 0.0, 1.0],
+        ];
+        Self { view: product(self.view, turn), ..self.clone() }
+    }
+
     /// World space to clip space, row by row, for a picture of this size: GL's frustum and box matrices.
     pub fn matrix(&self, width: usize, height: usize) -> [[f64; 4]; 4] {
         let aspect = width.max(1) as f64 / height.max(1) as f64;

@@ -4,10 +4,10 @@
 //! points are left out. A node must have one parent at most, as the specification says.
 
 use super::accessor::Buffers;
-use super::material::{AlphaMode, ImageSource, Material, TextureSlot};
+use super::material::{AlphaMode, ImageSource, Material, Model, TextureSlot};
 use super::normals::{Normals, unit};
 use super::uri::{Target, resolve};
-use super::{Camera, Mesh, Part, Projection, scene::read_file};
+use super::{Camera, Light, Mesh, Part, Projection, Scene, scene::read_file};
 use crate::encode::Encoding;
 use crate::wrap::Wrap;
 use gltf::json::Value;
@@ -18,12 +18,8 @@ type Matrix = [[f64; 4]; 4];
 const IDENTITY: Matrix =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 
-/// The mesh and cameras of the default scene.
-pub(super) fn load(
-    folder: &Path,
-    bytes: &[u8],
-    normals: Normals,
-) -> std::result::Result<(Mesh, Vec<Camera>), String> {
+/// The mesh, cameras and lights of the default scene.
+pub(super) fn load(folder: &Path, bytes: &[u8], normals: Normals) -> std::result::Result<Scene, String> {
     if bytes.starts_with(b"glTF") {
         // The crate subtracts the header's size from this length.
         let length = bytes.get(8..12).and_then(|b| b.try_into().ok()).map_or(0, u32::from_le_bytes);
@@ -45,11 +41,14 @@ pub(super) fn load(
     for material in document.materials() {
         mesh.materials.push(read_material(&material, &mesh.images)?);
     }
-    let mut cameras = Vec::new();
+    let (mut cameras, mut lights) = (Vec::new(), Vec::new());
     let mut plain = None;
     for (node, matrix) in placed_nodes(&document)? {
         if let Some(camera) = node.camera() {
             cameras.push(read_camera(&camera, node.name(), matrix));
+        }
+        if let Some(light) = node.light() {
+            lights.push(read_light(&light, matrix));
         }
         for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
             let Some(mut part) = read_part(&primitive, &buffers)? else { continue };
@@ -58,7 +57,9 @@ pub(super) fn load(
                 // What primitives without a material have: one more material, at the end.
                 None => *plain.get_or_insert_with(|| {
                     let metallic = 1.0;
-                    mesh.materials.push(Material { name: "default".into(), metallic, ..Material::default() });
+                    let model = Model::MetallicRoughness;
+                    let name = "default".into();
+                    mesh.materials.push(Material { name, model, metallic, ..Material::default() });
                     mesh.materials.len() as u32 - 1
                 }),
             };
@@ -69,7 +70,7 @@ pub(super) fn load(
             mesh.join(part).map_err(|e| e.to_string())?;
         }
     }
-    Ok((mesh, cameras))
+    Ok(Scene { mesh, cameras, lights })
 }
 
 fn buffers(document: &gltf::Document, blob: Option<Vec<u8>>, folder: &Path) -> Result<Buffers, String> {
@@ -255,6 +256,24 @@ fn read_camera(camera: &gltf::Camera<'_>, node: Option<&str>, m: Matrix) -> Came
     Camera { name, ..Camera::look_at(eye, target, column(1), projection) }
 }
 
+/// Photometric units become those of [`Light`]: 683 lumen to the watt, and a white surface sends out 1/π of
+/// the light that it gets.
+fn read_light(light: &gltf::khr_lights_punctual::Light<'_>, m: Matrix) -> Light {
+    use gltf::khr_lights_punctual::Kind;
+    let column = |c: usize| -> [f64; 3] { std::array::from_fn(|r| m[r][c]) };
+    let scale = light.intensity() / (683.0 * std::f32::consts::PI);
+    let color = light.color().map(|c| c * scale);
+    let (direction, position) = (unit(column(2).map(|c| -c)), column(3).map(|c| c as f32));
+    match light.kind() {
+        Kind::Directional => Light::Directional { direction, color },
+        Kind::Point => Light::Point { position, color, falloff: Some(1.0), cone: None },
+        Kind::Spot { inner_cone_angle, outer_cone_angle } => {
+            let cone = Some((direction, [inner_cone_angle, outer_cone_angle]));
+            Light::Point { position, color, falloff: Some(1.0), cone }
+        }
+    }
+}
+
 fn read_material(material: &gltf::Material<'_>, images: &[ImageSource]) -> Result<Material, String> {
     let pbr = material.pbr_metallic_roughness();
     let info = |info: Option<gltf::texture::Info<'_>>, encoding| {
@@ -271,6 +290,7 @@ fn read_material(material: &gltf::Material<'_>, images: &[ImageSource]) -> Resul
     let emissive = material.emissive_strength().unwrap_or(1.0);
     let made = Material {
         name: material.name().unwrap_or_default().to_owned(),
+        model: Model::MetallicRoughness,
         base_color: pbr.base_color_factor(),
         base_color_texture: info(pbr.base_color_texture(), Encoding::Srgb),
         metallic: pbr.metallic_factor(),

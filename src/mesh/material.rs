@@ -1,6 +1,8 @@
 //! What faces look like: numbers and the textures that replace or multiply them.
 
 use crate::encode::Encoding;
+use crate::error::{Error, Result};
+use crate::image::Image;
 use crate::wrap::Wrap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -15,6 +17,86 @@ pub enum AlphaMode {
     Mask(f32),
     /// Blended over what lies behind.
     Blend,
+}
+
+/// Which numbers of a material say how it answers to light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Model {
+    /// `ambient`, `base_color` as kd, `specular` as ks and `shininess` as the exponent.
+    #[default]
+    Phong,
+    /// `base_color`, `metallic` and `roughness`, which give kd, ks and the exponent.
+    MetallicRoughness,
+}
+
+/// How a texel meets the colour that is there. t and a are the texel's colour and alpha, c and b those before.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Blend {
+    /// (c t, b a): scaling, light maps.
+    #[default]
+    Modulate,
+    /// (t, a): nothing stays.
+    Replace,
+    /// (c (1 - a) + t a, b): a label on the surface.
+    Decal,
+    /// (c + t, b a).
+    Add,
+}
+
+/// The space of the vectors in a normal map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NormalSpace {
+    /// x along the tangent, y along the bitangent, z along the normal.
+    #[default]
+    Tangent,
+    /// The mesh's own axes.
+    Object,
+}
+
+/// Names of an enum's values and the way back.
+macro_rules! words {
+    ($type:ty, $($word:literal => $value:expr),+) => {
+        impl $type {
+            /// All values with their names.
+            pub const NAMES: &'static [(&'static str, Self)] = &[$(($word, $value)),+];
+
+            /// The value of this name.
+            ///
+            /// # Errors
+            /// [`Error::Value`] for any other word.
+            pub fn parse(argument: &'static str, name: &str) -> Result<Self> {
+                Self::NAMES.iter().find(|(n, _)| *n == name).map(|(_, value)| *value).ok_or_else(|| {
+                    let names: Vec<_> = Self::NAMES.iter().map(|(n, _)| format!("{n:?}")).collect();
+                    Error::value(argument, format!("{name:?}"), format!("one of {}", names.join(", ")))
+                })
+            }
+
+            /// The name of this value.
+            pub fn name(self) -> &'static str {
+                Self::NAMES.iter().find(|(_, value)| *value == self).map_or("", |(name, _)| name)
+            }
+        }
+    };
+}
+words!(Model, "phong" => Self::Phong, "metallic_roughness" => Self::MetallicRoughness);
+words!(
+    Blend,
+    "modulate" => Self::Modulate,
+    "replace" => Self::Replace,
+    "decal" => Self::Decal,
+    "add" => Self::Add
+);
+words!(NormalSpace, "tangent" => Self::Tangent, "object" => Self::Object);
+
+/// One more texture over the base colour or over the lit colour.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// The texture.
+    pub texture: TextureSlot,
+    /// How it meets what is there.
+    pub blend: Blend,
+    /// Whether it meets the colour after lighting (GL's texture environment) rather than the base colour.
+    pub after_light: bool,
 }
 
 /// A filter that a file asks for, in the names of the samplers of this crate.
@@ -50,6 +132,8 @@ impl TextureSlot {
 pub struct Material {
     /// Name in the file.
     pub name: String,
+    /// Which of the numbers below count.
+    pub model: Model,
     /// Linear colour and alpha (MTL: Kd and d).
     pub base_color: [f32; 4],
     /// Multiplies `base_color` (MTL: `map_Kd`).
@@ -62,10 +146,12 @@ pub struct Material {
     pub roughness: f32,
     /// Green multiplies roughness, blue metallic.
     pub metallic_roughness_texture: Option<TextureSlot>,
-    /// Normals in tangent space.
+    /// Normals.
     pub normal_texture: Option<TextureSlot>,
     /// Multiplies x and y of the normals read.
     pub normal_scale: f32,
+    /// The space of these normals.
+    pub normal_space: NormalSpace,
     /// Heights (MTL: `map_Bump`).
     pub bump_texture: Option<TextureSlot>,
     /// Scale of the heights (MTL: `-bm`).
@@ -78,16 +164,18 @@ pub struct Material {
     pub emissive: [f32; 3],
     /// Multiplies `emissive`.
     pub emissive_texture: Option<TextureSlot>,
-    /// Ambient reflection (MTL: Ka).
+    /// Share of `base_color` that answers to ambient light (MTL: Ka).
     pub ambient: [f32; 3],
     /// Specular reflection (MTL: Ks).
     pub specular: [f32; 3],
     /// Multiplies `specular` (MTL: `map_Ks`).
     pub specular_texture: Option<TextureSlot>,
-    /// Phong exponent (MTL: Ns).
+    /// Phong exponent (MTL: Ns); 0 for no highlight.
     pub shininess: f32,
     /// Multiplies `shininess` (MTL: `map_Ns`).
     pub shininess_texture: Option<TextureSlot>,
+    /// More textures, in this order.
+    pub layers: Vec<Layer>,
     /// How alpha is used.
     pub alpha_mode: AlphaMode,
     /// Whether backs are shown too.
@@ -100,6 +188,7 @@ impl Default for Material {
     fn default() -> Self {
         Self {
             name: String::new(),
+            model: Model::Phong,
             base_color: [1.0; 4],
             base_color_texture: None,
             alpha_texture: None,
@@ -108,6 +197,7 @@ impl Default for Material {
             metallic_roughness_texture: None,
             normal_texture: None,
             normal_scale: 1.0,
+            normal_space: NormalSpace::Tangent,
             bump_texture: None,
             bump_scale: 1.0,
             occlusion_texture: None,
@@ -119,6 +209,7 @@ impl Default for Material {
             specular_texture: None,
             shininess: 1.0,
             shininess_texture: None,
+            layers: Vec::new(),
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,
             unlit: false,
@@ -140,7 +231,8 @@ impl Material {
             ("specular_texture", &self.specular_texture),
             ("shininess_texture", &self.shininess_texture),
         ];
-        all.into_iter().filter_map(|(name, slot)| slot.as_ref().map(|slot| (name, slot))).collect()
+        let single = all.into_iter().filter_map(|(name, slot)| slot.as_ref().map(|slot| (name, slot)));
+        single.chain(self.layers.iter().map(|layer| ("layers", &layer.texture))).collect()
     }
 }
 
@@ -156,6 +248,8 @@ pub enum ImageSource {
         /// The encoded picture.
         bytes: Arc<[u8]>,
     },
+    /// Decoded already.
+    Pixels(Arc<Image>),
     /// Named by a file but in no form that is read here; the reason.
     Missing(String),
 }

@@ -5,6 +5,7 @@
 //! crate, v down; OBJ files, whose v runs up, are flipped once when loaded.
 
 mod camera;
+mod light;
 mod material;
 mod normals;
 
@@ -24,7 +25,10 @@ mod uri;
 use crate::error::{Error, Result};
 
 pub use camera::{Camera, Projection};
-pub use material::{AlphaMode, ImageSource, Material, SampleFilter, TextureSlot};
+pub use light::Light;
+pub use material::{
+    AlphaMode, Blend, ImageSource, Layer, Material, Model, NormalSpace, SampleFilter, TextureSlot,
+};
 pub use normals::{Normals, smooth_normals};
 #[cfg(feature = "mesh")]
 pub use scene::Scene;
@@ -174,6 +178,47 @@ impl Part {
 
 #[cfg(feature = "mesh")]
 impl Mesh {
+    /// The mesh with what it lacks: normals (where the list is empty), tangents, one material where there is
+    /// none. Vertices may be split for that. [`Normals::Auto`] makes smooth ones.
+    ///
+    /// # Errors
+    /// [`Error::Value`] as [`Mesh::check`].
+    pub fn completed(mut self, normals: Normals) -> Result<Self> {
+        if self.materials.is_empty() {
+            self.materials.push(Material::default());
+        }
+        self.face_material.resize(self.faces.len(), 0);
+        let vertices = self.positions.len();
+        if !self.normals.is_empty() && self.normals.len() != vertices {
+            let got = format!("{} entries", self.normals.len());
+            return Err(Error::value("normals", got, format!("one a vertex, {vertices}")));
+        }
+        // The other lists are checked before anything walks over them.
+        let given = std::mem::take(&mut self.normals);
+        let checked = Self {
+            normals: vec![[0.0, 0.0, 1.0]; vertices],
+            tangents: vec![[1.0, 0.0, 0.0, 1.0]; vertices],
+            ..self
+        };
+        checked.check()?;
+        let Self { positions, uv, colors, faces, face_material, materials, images, .. } = checked;
+        let set = materials.iter().find_map(|m| m.normal_texture.as_ref()).map_or(0, |slot| slot.uv_set);
+        let mut part = Part {
+            positions,
+            normals: (!given.is_empty()).then_some(given),
+            tangents: None,
+            uv,
+            colors: (!colors.is_empty()).then_some(colors),
+            faces,
+            material: 0,
+        };
+        part.complete(if normals == Normals::Auto { Normals::Smooth } else { normals }, set);
+        let mut made = Self { materials, images, ..Self::default() };
+        made.join(part)?;
+        made.face_material = face_material;
+        Ok(made)
+    }
+
     /// Adds a complete part.
     fn join(&mut self, part: Part) -> Result<()> {
         let first = self.positions.len();

@@ -1,6 +1,6 @@
 //! Opening files: one door for all formats.
 
-use super::{Camera, Mesh, Normals, gltf, obj};
+use super::{Camera, Light, Mesh, Normals, gltf, obj};
 use crate::error::{Error, Result};
 use std::fs;
 use std::path::Path;
@@ -8,13 +8,15 @@ use std::path::Path;
 /// Largest file that is read, in bytes.
 const MAX_FILE: u64 = 1 << 32;
 
-/// A mesh and the cameras of its file.
+/// A mesh, and the cameras and lights of its file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// Everything with a surface, in world space.
     pub mesh: Mesh,
     /// Cameras, in the order of the file.
     pub cameras: Vec<Camera>,
+    /// Lights, in the order of the file.
+    pub lights: Vec<Light>,
 }
 
 /// The bytes of a regular file of bearable size.
@@ -43,12 +45,12 @@ impl Scene {
         let read = match extension.as_deref() {
             _ if bytes.starts_with(b"glTF") => gltf::load(folder, &bytes, normals),
             Some("gltf" | "glb") => gltf::load(folder, &bytes, normals),
-            Some("obj") => obj::load(folder, &bytes, normals).map(|mesh| (mesh, Vec::new())),
+            Some("obj") => obj::load(folder, &bytes, normals).map(|mesh| Self { mesh, ..Self::default() }),
             _ => Err("an unknown kind of mesh; .gltf, .glb and .obj files are read".into()),
         };
-        let (mesh, cameras) = read.map_err(|message| Error::File { path: path.to_owned(), message })?;
-        mesh.check().map_err(|e| Error::File { path: path.to_owned(), message: e.to_string() })?;
-        Ok(Self { mesh, cameras })
+        let scene = read.map_err(|message| Error::File { path: path.to_owned(), message })?;
+        scene.mesh.check().map_err(|e| Error::File { path: path.to_owned(), message: e.to_string() })?;
+        Ok(scene)
     }
 
     /// The file's first camera, or one that frames the mesh.

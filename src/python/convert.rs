@@ -211,9 +211,23 @@ impl<'py> FloatArray<'py> {
 
 /// Triangles: whole numbers of shape (F, 3), from 0 on.
 pub fn triangles(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
+    Ok(whole_numbers(argument, value, "(F, 3)", |shape| matches!(shape, [_, 3]))?.as_chunks().0.to_vec())
+}
+
+/// Indices: whole numbers of shape (N,), from 0 on.
+pub fn indices(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<Vec<u32>> {
+    whole_numbers(argument, value, "(N,)", |shape| shape.len() == 1)
+}
+
+fn whole_numbers(
+    argument: &'static str,
+    value: &Bound<'_, PyAny>,
+    name: &str,
+    fits: impl Fn(&[usize]) -> bool,
+) -> PyResult<Vec<u32>> {
     let array = ordered(argument, value)?;
-    if !matches!(array.shape(), [_, 3]) {
-        return Err(Error::value(argument, describe(&array), "shape (F, 3)").into());
+    if !fits(array.shape()) {
+        return Err(Error::value(argument, describe(&array), format!("shape {name}")).into());
     }
     let dtype = array.dtype();
     // An empty list is an array of floats for NumPy.
@@ -221,16 +235,15 @@ pub fn triangles(argument: &'static str, value: &Bound<'_, PyAny>) -> PyResult<V
         return Err(Error::type_(argument, describe(&array), "a dtype of whole numbers").into());
     }
     if (dtype.kind(), dtype.itemsize()) == (b'u', 4) {
-        return Ok(slice(&read::<u32>(&array)?)?.as_chunks().0.to_vec());
+        return Ok(slice(&read::<u32>(&array)?)?.to_vec());
     }
     let wide = array.call_method1("astype", ("int64",))?;
     let wide = read::<i64>(wide.cast::<PyUntypedArray>()?)?;
     let numbers = slice(&wide)?;
     if let Some(bad) = numbers.iter().find(|&&i| u32::try_from(i).is_err()) {
-        return Err(Error::value(argument, format!("index {bad}"), "indices of vertices, from 0 on").into());
+        return Err(Error::value(argument, format!("index {bad}"), "whole numbers from 0 on").into());
     }
-    let narrow: Vec<u32> = numbers.iter().map(|&i| i as u32).collect();
-    Ok(narrow.as_chunks().0.to_vec())
+    Ok(numbers.iter().map(|&i| i as u32).collect())
 }
 
 /// One truth value each.

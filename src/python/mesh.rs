@@ -1,9 +1,10 @@
 //! Meshes, scenes and cameras.
 
-use super::convert::{FloatArray, array, triangles, work};
+use super::convert::{FloatArray, Floats, array, triangles, work};
 use crate::error::Error;
 use crate::mesh::{
-    AlphaMode, Camera, ImageSource, Material, Mesh, Normals, Projection, Scene, TextureSlot, smooth_normals,
+    AlphaMode, Camera, ImageSource, Light, Material, Mesh, Normals, Projection, Scene, TextureSlot,
+    smooth_normals,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -29,6 +30,8 @@ fn material<'py>(py: Python<'py>, m: &Material) -> PyResult<Bound<'py, PyDict>> 
         AlphaMode::Blend => ("blend", 0.5),
     };
     made.set_item("name", &m.name)?;
+    made.set_item("model", m.model.name())?;
+    made.set_item("normal_space", m.normal_space.name())?;
     made.set_item("base_color", m.base_color)?;
     made.set_item("metallic", m.metallic)?;
     made.set_item("roughness", m.roughness)?;
@@ -43,7 +46,7 @@ fn material<'py>(py: Python<'py>, m: &Material) -> PyResult<Bound<'py, PyDict>> 
     made.set_item("alpha_cutoff", cutoff)?;
     made.set_item("double_sided", m.double_sided)?;
     made.set_item("unlit", m.unlit)?;
-    for (name, texture) in m.slots() {
+    for (name, texture) in m.slots().into_iter().filter(|(name, _)| *name != "layers") {
         made.set_item(name, slot(py, texture)?)?;
     }
     Ok(made)
@@ -59,6 +62,7 @@ fn image<'py>(py: Python<'py>, source: &ImageSource) -> ImageParts<'py> {
             (name.unwrap_or_default(), Some(path.clone()), None)
         }
         ImageSource::Embedded { name, bytes } => (name.clone(), None, Some(PyBytes::new(py, bytes))),
+        ImageSource::Pixels(_) => ("pixels".into(), None, None),
         ImageSource::Missing(reason) => (reason.clone(), None, None),
     }
 }
@@ -86,7 +90,7 @@ fn mesh<'py>(py: Python<'py>, mesh: &Mesh) -> PyResult<Bound<'py, PyDict>> {
 
 /// A camera.
 #[pyclass(name = "Camera", frozen, module = "multum._multum")]
-struct PyCamera(Camera);
+pub(super) struct PyCamera(pub(super) Camera);
 
 #[pymethods]
 impl PyCamera {
@@ -123,6 +127,30 @@ impl PyCamera {
         &self.0.name
     }
 
+    /// A camera that sees the whole mesh.
+    #[staticmethod]
+    fn framing(positions: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let mesh = Mesh {
+            positions: vectors("positions", positions)?,
+            faces: triangles("faces", faces)?,
+            ..Mesh::default()
+        };
+        if let Some(v) = mesh.faces.iter().flatten().find(|v| **v as usize >= mesh.positions.len()) {
+            let expected = format!("indices below the number of vertices, {}", mesh.positions.len());
+            return Err(Error::value("faces", format!("index {v}"), expected).into());
+        }
+        Ok(Self(Camera::framing(&mesh)))
+    }
+
+    /// Carried around the vertical axis through a point.
+    fn turned(&self, center: [f64; 3], angle_rad: f64) -> PyResult<Self> {
+        if !(angle_rad.is_finite() && center.iter().all(|c| c.is_finite())) {
+            let got = format!("{} degrees around {center:?}", angle_rad.to_degrees());
+            return Err(Error::value("degrees", got, "finite numbers").into());
+        }
+        Ok(Self(self.0.turned(center, angle_rad)))
+    }
+
     #[getter]
     fn eye(&self) -> [f64; 3] {
         self.0.eye()
@@ -153,15 +181,67 @@ impl PyCamera {
     }
 }
 
-type SceneParts<'py> = (Bound<'py, PyDict>, Vec<PyCamera>, PyCamera);
+/// Kind ("ambient", "directional", "point"), place or direction, colour, falloff, and cone: axis and angles.
+pub(super) type LightParts = (String, [f32; 3], [f32; 3], Option<f32>, Option<([f32; 3], [f32; 2])>);
 
-/// The mesh, the cameras, and the camera to use.
+fn light(light: &Light) -> LightParts {
+    match light {
+        Light::Ambient { color } => ("ambient".into(), [0.0; 3], *color, None, None),
+        Light::Directional { direction, color } => ("directional".into(), *direction, *color, None, None),
+        Light::Point { position, color, falloff, cone } => {
+            ("point".into(), *position, *color, *falloff, *cone)
+        }
+    }
+}
+
+type SceneParts<'py> = (Bound<'py, PyDict>, Vec<PyCamera>, Vec<LightParts>);
+
+/// The mesh, the cameras and the lights of a file.
 #[pyfunction]
 fn open_scene<'py>(py: Python<'py>, path: PathBuf, normals: &str) -> PyResult<SceneParts<'py>> {
     let normals = Normals::parse("normals", normals)?;
     let scene = work(py, None, || Scene::open(&path, normals))?;
-    let camera = PyCamera(scene.camera());
-    Ok((mesh(py, &scene.mesh)?, scene.cameras.into_iter().map(PyCamera).collect(), camera))
+    let lights = scene.lights.iter().map(light).collect();
+    Ok((mesh(py, &scene.mesh)?, scene.cameras.into_iter().map(PyCamera).collect(), lights))
+}
+
+/// A mesh of one material from arrays; what is missing is made.
+#[pyfunction]
+fn build_mesh<'py>(
+    py: Python<'py>,
+    positions: &Bound<'py, PyAny>,
+    faces: &Bound<'py, PyAny>,
+    normals: Option<&Bound<'py, PyAny>>,
+    uv_sets: Vec<Bound<'py, PyAny>>,
+    colors: Option<&Bound<'py, PyAny>>,
+    missing: &str,
+) -> PyResult<Bound<'py, PyDict>> {
+    let missing = Normals::parse("missing", missing)?;
+    let given = Mesh {
+        positions: vectors("positions", positions)?,
+        normals: normals.map(|n| vectors("normals", n)).transpose()?.unwrap_or_default(),
+        uv: uv_sets.iter().map(|set| vectors("uv", set)).collect::<PyResult<_>>()?,
+        colors: colors.map(|c| vectors("colors", c)).transpose()?.unwrap_or_default(),
+        faces: triangles("faces", faces)?,
+        ..Mesh::default()
+    };
+    let made = work(py, None, || given.completed(missing))?;
+    mesh(py, &made)
+}
+
+/// Rows of N numbers.
+pub(super) fn vectors<const N: usize>(
+    argument: &'static str,
+    value: &Bound<'_, PyAny>,
+) -> PyResult<Vec<[f32; N]>> {
+    let array = FloatArray::new(argument, value, &[N], &format!("(..., {N})"))?;
+    if array.shape().len() != 2 {
+        return Err(Error::value(argument, format!("shape {:?}", array.shape()), format!("(V, {N})")).into());
+    }
+    Ok(match array.floats()? {
+        Floats::F32(a) => a.as_chunks().0.to_vec(),
+        Floats::F64(a) => a.as_chunks().0.iter().map(|row: &[f64; N]| row.map(|x| x as f32)).collect(),
+    })
 }
 
 /// Angle-weighted normals (V, 3) of positions (V, 3) and faces (F, 3).
@@ -185,5 +265,6 @@ fn vertex_normals<'py>(
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<PyCamera>()?;
     module.add_function(wrap_pyfunction!(open_scene, module)?)?;
+    module.add_function(wrap_pyfunction!(build_mesh, module)?)?;
     module.add_function(wrap_pyfunction!(vertex_normals, module)?)
 }

@@ -13,6 +13,7 @@ mod pyramid;
 mod raster;
 mod reference;
 mod remap;
+mod render;
 mod sat;
 mod texture;
 mod threads;
@@ -31,6 +32,7 @@ fn _multum(module: &Bound<'_, PyModule>) -> PyResult<()> {
     raster::register(module)?;
     sat::register(module)?;
     remap::register(module)?;
+    render::register(module)?;
     texture::register(module)?;
     threads::register(module)?;
     warp::register(module)?;

@@ -69,11 +69,11 @@ impl<'a, T> Attributes<'a, T> {
 
 /// Weights of a pixel's triangle and what follows from them.
 #[derive(Clone, Copy, Debug)]
-struct Weights {
+pub(crate) struct Weights {
     /// Weights of corners 0, 1, 2: not negative, sum 1.
-    b: [f64; 3],
+    pub b: [f64; 3],
     /// Derivatives of weights 1 and 2 by x (one pixel right) and y (one pixel down).
-    db: [[f64; 2]; 2],
+    pub db: [[f64; 2]; 2],
 }
 
 /// The functions a_i of one triangle, about one pixel, in steps of pixels.
@@ -233,30 +233,42 @@ impl Fragments {
         tiles: impl ExactSizeIterator<Item = B> + Send,
         work: impl Fn(&mut B, usize, usize, &Weights) + Sync,
     ) -> Result<()> {
-        let size = [self.width as f64, self.height as f64];
-        let (rows, faces) = (self.rows_at_a_time(), geometry.faces().len());
+        let rows = self.rows_at_a_time();
         par::for_each(tiles, |i, mut tile| {
-            for y in i * rows..((i + 1) * rows).min(self.height) {
-                let mut current = (-1, None);
-                for (x, &id) in self.triangle[y * self.width..][..self.width].iter().enumerate() {
-                    let Ok(face) = usize::try_from(id) else { continue };
-                    if face >= faces {
-                        return Err(Error::value(
-                            "geometry",
-                            format!("{faces} faces"),
-                            format!("the geometry that was drawn, with a face {face}"),
-                        ));
-                    }
-                    if current.0 != id || current.1.is_none() {
-                        current = (id, Some(Planes::new(geometry.corners(face), x, y, size)));
-                    }
-                    if let Some(planes) = &current.1 {
-                        work(&mut tile, (y - i * rows) * self.width + x, face, &planes.at(x));
-                    }
+            let own = i * rows..((i + 1) * rows).min(self.height);
+            self.walk(geometry, own, |p, face, weights| work(&mut tile, p, face, weights))
+        })
+    }
+
+    /// Calls `work(pixel counted from the first of these rows, face, weights)` for every pixel of the rows that
+    /// shows a triangle.
+    pub(crate) fn walk(
+        &self,
+        geometry: &Geometry,
+        rows: std::ops::Range<usize>,
+        mut work: impl FnMut(usize, usize, &Weights),
+    ) -> Result<()> {
+        let (size, faces) = ([self.width as f64, self.height as f64], geometry.faces().len());
+        for (row, y) in rows.enumerate() {
+            let mut current = (-1, None);
+            for (x, &id) in self.triangle[y * self.width..][..self.width].iter().enumerate() {
+                let Ok(face) = usize::try_from(id) else { continue };
+                if face >= faces {
+                    return Err(Error::value(
+                        "geometry",
+                        format!("{faces} faces"),
+                        format!("the geometry that was drawn, with a face {face}"),
+                    ));
+                }
+                if current.0 != id || current.1.is_none() {
+                    current = (id, Some(Planes::new(geometry.corners(face), x, y, size)));
+                }
+                if let Some(planes) = &current.1 {
+                    work(row * self.width + x, face, &planes.at(x));
                 }
             }
-            Ok(())
-        })
+        }
+        Ok(())
     }
 }
 

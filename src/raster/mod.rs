@@ -24,6 +24,7 @@ mod visit;
 use crate::error::{Error, Result};
 
 pub use interp::Attributes;
+pub(crate) use interp::Weights;
 
 /// Longest side of a target, in pixels.
 pub const MAX_SIDE: usize = 16_384;
