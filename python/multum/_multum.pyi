@@ -146,6 +146,38 @@ def cv2_undistortion(
     second: NDArray[Any] | None,
 ) -> None: ...
 
+_Planes = tuple[NDArray[np.float64], NDArray[np.float64]]
+_Rows = tuple[NDArray[np.int64], NDArray[np.float64]]
+
+def lerp_image(
+    image: NDArray[Any],
+    matrix: list[float] | None,
+    planes: _Planes | None,
+    mode: str,
+    factor: float,
+    border: float,
+    nowhere: float,
+    limits: tuple[float, float],
+    out: NDArray[Any],
+) -> None: ...
+def nearest_image(
+    image: NDArray[Any],
+    matrix: list[float] | None,
+    planes: _Planes | None,
+    mode: str,
+    border: NDArray[Any],
+    out: NDArray[Any],
+) -> None: ...
+def resample_image(
+    image: NDArray[Any],
+    down: _Rows,
+    across: _Rows | None,
+    mode: str,
+    numbers: tuple[float, float, tuple[float, float]],
+    out: NDArray[Any],
+) -> None: ...
+def value_range(array: NDArray[Any]) -> tuple[float, float, bool]: ...
+
 _Triple = tuple[float, float, float]
 _Pair = tuple[float, float]
 

@@ -2,10 +2,12 @@
 //!
 //! One run-time dispatch picks the instruction set; the scalar twin of each kernel defines its result, bit for bit.
 
+pub mod band;
 pub mod box_down;
 pub mod cast;
 pub mod plane;
 pub mod prefix;
+pub mod range;
 pub mod remap;
 
 use crate::error::{Error, Result};

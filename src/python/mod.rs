@@ -14,6 +14,7 @@ mod raster;
 mod reference;
 mod remap;
 mod render;
+mod resample;
 mod sat;
 mod texture;
 mod threads;
@@ -33,6 +34,7 @@ fn _multum(module: &Bound<'_, PyModule>) -> PyResult<()> {
     sat::register(module)?;
     remap::register(module)?;
     render::register(module)?;
+    resample::register(module)?;
     texture::register(module)?;
     threads::register(module)?;
     warp::register(module)?;

@@ -31,7 +31,7 @@ struct Manner {
 }
 
 /// The entry of a table that has this name.
-fn named<V: Copy>(argument: &'static str, name: &str, table: &[(&str, V)]) -> Result<V> {
+pub(super) fn named<V: Copy>(argument: &'static str, name: &str, table: &[(&str, V)]) -> Result<V> {
     table.iter().find(|(n, _)| *n == name).map(|(_, v)| *v).ok_or_else(|| {
         let names: Vec<_> = table.iter().map(|(n, _)| format!("{n:?}")).collect();
         Error::value(argument, format!("{name:?}"), format!("one of {}", names.join(", ")))
@@ -77,11 +77,16 @@ impl Manner {
     }
 }
 
-fn borrow<'py, T: Element>(array: &Bound<'py, PyUntypedArray>) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
+pub(super) fn borrow<'py, T: Element>(
+    array: &Bound<'py, PyUntypedArray>,
+) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
     Ok(array.cast::<PyArrayDyn<T>>()?.try_readonly()?)
 }
 
-fn packed<'a, T: Element>(argument: &'static str, array: &'a PyReadonlyArrayDyn<'_, T>) -> Result<&'a [T]> {
+pub(super) fn packed<'a, T: Element>(
+    argument: &'static str,
+    array: &'a PyReadonlyArrayDyn<'_, T>,
+) -> Result<&'a [T]> {
     array.as_slice().map_err(|e| Error::value(argument, e, "C-contiguous memory"))
 }
 

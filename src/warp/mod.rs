@@ -15,6 +15,8 @@ use crate::texel::DType;
 use crate::texture::{Texture, TextureOptions};
 use crate::wrap::Wrap;
 
+pub mod band;
+pub mod lerp;
 mod mapping;
 pub mod panorama;
 pub mod remap;

@@ -24,6 +24,7 @@ mod avx512;
 #[cfg(target_arch = "x86_64")]
 mod block;
 mod coords;
+mod lerp;
 mod sample;
 mod scalar;
 #[cfg(test)]
@@ -31,6 +32,7 @@ mod tests;
 mod weights;
 
 pub use coords::{Buffer, CHUNK, Grid};
+pub use lerp::{Lerp, Scaled, nearest, within};
 pub use sample::{Real, Sample};
 
 /// A borrowed picture: `height` rows of `width * channels` elements, `row_stride` elements apart.
@@ -72,6 +74,11 @@ impl<'a, T> Source<'a, T> {
         }
         Ok(Self { data, width, height, channels, row_stride })
     }
+
+    /// Elements a pixel.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
 }
 
 /// What an axis reads beyond its ends; the names are those of the crate's wrap modes.
@@ -94,7 +101,7 @@ pub enum Edge {
 impl Edge {
     /// The pixel that stands at `i` of an axis of `n` pixels; `None` for the border colour.
     #[inline]
-    fn index(self, i: i64, n: i64) -> Option<usize> {
+    pub fn index(self, i: i64, n: i64) -> Option<usize> {
         if (0..n).contains(&i) {
             return Some(i as usize);
         }
