@@ -89,6 +89,13 @@ pub fn floor(x: f64) -> i64 {
     towards_zero - i64::from(x < towards_zero as f64)
 }
 
+/// The smallest whole number not below `x`, for `|x| < 2^63`; NaN gives 0.
+#[inline(always)]
+pub fn ceil(x: f64) -> i64 {
+    let towards_zero = x as i64;
+    towards_zero + i64::from(x > towards_zero as f64)
+}
+
 /// Linear interpolation that returns `a` exactly when `a == b`.
 #[inline(always)]
 pub fn lerp<R: Real>(a: R, b: R, t: R) -> R {
@@ -120,6 +127,7 @@ mod tests {
             let x = f64::from(k) / 16.0;
             for x in [x, x.next_up(), x.next_down(), x * 1e9, x * 1e15] {
                 assert_eq!(floor(x) as f64, x.floor(), "{x}");
+                assert_eq!(ceil(x) as f64, x.ceil(), "{x}");
             }
         }
     }

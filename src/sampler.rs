@@ -8,7 +8,7 @@ use crate::filter::{
 use crate::filter::{area, auto, ewa, exact, mipmap, nearest, sat, stochastic};
 use crate::image::Element;
 use crate::jacobian::Jacobian;
-use crate::kernel::{Isa, compiled_for};
+use crate::kernel::{Isa, Work, compiled_for};
 use crate::lod::LodRule;
 use crate::num::Real;
 use crate::par;
@@ -77,12 +77,11 @@ struct Slots<'a, O> {
 }
 
 impl<O: Copy> Slots<'_, O> {
-    /// Block by block: places, then averages compiled for `isa`, then results.
+    /// Block by block: places, then averages, then results.
     fn fill<R: Real>(
         self,
-        isa: Isa,
         places: &Places<'_>,
-        average: impl Fn(&Query, Option<f32>) -> [R; 4],
+        average: impl Fn(&[(Query, Option<f32>)], &mut [[R; 4]]),
         finish: impl Fn([R; 4]) -> [O; 4],
     ) {
         let nowhere = Query { s: 0.0, t: 0.0, jacobian_tx: Jacobian::ZERO, index: 0 };
@@ -95,16 +94,30 @@ impl<O: Copy> Slots<'_, O> {
                 let (query, lod) = places(index);
                 *slot = (Query { index: index as u64, ..query }.bounded(), lod);
             }
-            compiled_for(isa, || {
-                for ((query, lod), average_slot) in queries[..count].iter().zip(&mut averages) {
-                    *average_slot = average(query, *lod);
-                }
-            });
+            average(&queries[..count], &mut averages[..count]);
             for (out, average) in out.chunks_exact_mut(self.channels).zip(&averages) {
                 for (out, value) in out[4 * self.group..].iter_mut().zip(finish(*average)) {
                     *out = value;
                 }
             }
+        }
+    }
+}
+
+/// A block of samples, to be compiled for an instruction set.
+struct Averages<'a, T: Element, D> {
+    sampler: &'a Sampler,
+    r: &'a Reader<'a, T, D>,
+    queries: &'a [(Query, Option<f32>)],
+    out: &'a mut [[T::Real; 4]],
+}
+
+impl<T: Element, D: Decode<T>> Work for Averages<'_, T, D> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        for ((query, lod), average) in self.queries.iter().zip(self.out) {
+            *average = self.sampler.average(self.r, query, *lod);
         }
     }
 }
@@ -314,13 +327,14 @@ impl Sampler {
                 par::for_each(tiles, |tile, out| {
                     let slots = Slots { out, channels, group, first: tile * TILE };
                     if layers.decoder.is_plain() {
-                        let reader = Reader::new(&layers, Plain { full_scale: layers.decoder.full_scale });
-                        let average = |q: &Query, lod| self.average(&reader, q, lod);
-                        slots.fill(isa, places, average, |average| finish.plain(&reader, average, group));
+                        let plain = Plain { full_scale: layers.decoder.full_scale };
+                        let reader = Reader::new(&layers, plain, isa);
+                        let averages = |queries: &[_], out: &mut [_]| self.averages(&reader, queries, out);
+                        slots.fill(places, averages, |average| finish.plain(&reader, average, group));
                     } else {
-                        let reader = Reader::new(&layers, layers.decoder);
-                        let average = |q: &Query, lod| self.average(&reader, q, lod);
-                        slots.fill(isa, places, average, |average| finish.decoded(&reader, average, group));
+                        let reader = Reader::new(&layers, layers.decoder, isa);
+                        let averages = |queries: &[_], out: &mut [_]| self.averages(&reader, queries, out);
+                        slots.fill(places, averages, |average| finish.decoded(&reader, average, group));
                     }
                     Ok(())
                 })
@@ -328,6 +342,18 @@ impl Sampler {
             if samples < SERIAL { par::with_threads(Some(1), run)? } else { run()? }
         }
         Ok(())
+    }
+
+    /// Samples not yet finished. A function of its own, so that it is compiled once for each kind of texture, however many
+    /// kinds of results there are.
+    #[inline(never)]
+    fn averages<T: Element, D: Decode<T>>(
+        &self,
+        r: &Reader<'_, T, D>,
+        queries: &[(Query, Option<f32>)],
+        out: &mut [[T::Real; 4]],
+    ) {
+        compiled_for(r.isa, Averages { sampler: self, r, queries, out });
     }
 
     /// One sample, not yet finished.
@@ -415,9 +441,9 @@ fn gradient_typed<T: Element, U: Coordinate, O: Real>(
                 let (s, t) = (uv[i].into() * size[0], uv[i + 1].into() * size[1]);
                 let pairs = if layers.decoder.is_plain() {
                     let plain = Plain { full_scale: layers.decoder.full_scale };
-                    slopes(&Reader::new(&layers, plain), filter, s, t)
+                    slopes(&Reader::new(&layers, plain, Isa::current()), filter, s, t)
                 } else {
-                    slopes(&Reader::new(&layers, layers.decoder), filter, s, t)
+                    slopes(&Reader::new(&layers, layers.decoder, Isa::current()), filter, s, t)
                 };
                 let signs = [texture.wrap()[0].reduce(s, size[0]).1, texture.wrap()[1].reduce(t, size[1]).1];
                 for (out, pair) in out[8 * group..].chunks_exact_mut(2).zip(pairs) {

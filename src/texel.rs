@@ -55,6 +55,21 @@ impl DType {
     }
 }
 
+/// Stored numbers of any type.
+#[derive(Clone, Copy, Debug)]
+pub enum Codes<'a> {
+    /// Bytes.
+    U8(&'a [u8]),
+    /// Words.
+    U16(&'a [u16]),
+    /// Half floats.
+    F16(&'a [f16]),
+    /// Singles.
+    F32(&'a [f32]),
+    /// Doubles.
+    F64(&'a [f64]),
+}
+
 /// One stored number of a texture.
 pub trait Texel: Copy + Default + PartialEq + Send + Sync + 'static {
     /// What values are computed in: `f64` for `f64`, else `f32`.
@@ -76,13 +91,18 @@ pub trait Texel: Copy + Default + PartialEq + Send + Sync + 'static {
     fn from_real(x: Self::Real) -> Self;
     /// The code as an index into a table of all codes; 0 for floats.
     fn index(self) -> usize;
+    /// Numbers of this type as numbers of any type.
+    fn codes(data: &[Self]) -> Codes<'_>;
 }
 
 macro_rules! integer_texel {
-    ($type:ty, $tag:expr) => {
+    ($type:ty, $variant:ident) => {
         impl Texel for $type {
             type Real = f32;
-            const DTYPE: DType = $tag;
+            const DTYPE: DType = DType::$variant;
+            fn codes(data: &[Self]) -> Codes<'_> {
+                Codes::$variant(data)
+            }
             #[inline(always)]
             fn index(self) -> usize {
                 usize::from(self)
@@ -117,14 +137,17 @@ macro_rules! integer_texel {
     };
 }
 
-integer_texel!(u8, DType::U8);
-integer_texel!(u16, DType::U16);
+integer_texel!(u8, U8);
+integer_texel!(u16, U16);
 
 macro_rules! float_texel {
-    ($type:ty, $tag:expr, $real:ty, $to64:expr, $to32:expr, $from64:expr, $from32:expr, $to:ident, $from:ident) => {
+    ($type:ty, $variant:ident, $real:ty, $to64:expr, $to32:expr, $from64:expr, $from32:expr, $to:ident, $from:ident) => {
         impl Texel for $type {
             type Real = $real;
-            const DTYPE: DType = $tag;
+            const DTYPE: DType = DType::$variant;
+            fn codes(data: &[Self]) -> Codes<'_> {
+                Codes::$variant(data)
+            }
             #[inline(always)]
             fn index(self) -> usize {
                 0
@@ -157,9 +180,9 @@ macro_rules! float_texel {
     };
 }
 
-float_texel!(f16, DType::F16, f32, f16::to_f64, f16::to_f32, f16::from_f64, f16::from_f32, to_f32, from_f32);
-float_texel!(f32, DType::F32, f32, f64::from, |x| x, |x| x as f32, |x| x, to_f32, from_f32);
-float_texel!(f64, DType::F64, f64, |x| x, |x| x as f32, |x| x, f64::from, to_f64, from_f64);
+float_texel!(f16, F16, f32, f16::to_f64, f16::to_f32, f16::from_f64, f16::from_f32, to_f32, from_f32);
+float_texel!(f32, F32, f32, f64::from, |x| x, |x| x as f32, |x| x, to_f32, from_f32);
+float_texel!(f64, F64, f64, |x| x, |x| x as f32, |x| x, f64::from, to_f64, from_f64);
 
 #[cfg(test)]
 mod tests {

@@ -118,6 +118,7 @@ impl Wrap {
     }
 
     /// Length after which the axis repeats itself, in texels; `None` where it never does.
+    #[inline(always)]
     pub fn period(self, n: f64) -> Option<f64> {
         match self {
             Self::Repeat => Some(n),
@@ -130,7 +131,7 @@ impl Wrap {
 
 /// `s` modulo a whole `n`, in `0..=n`.
 #[inline(always)]
-fn modulo(s: f64, n: f64) -> f64 {
+pub(crate) fn modulo(s: f64, n: f64) -> f64 {
     // Up to here `n * floor` is a whole number that f64 holds exactly, and so is the difference's rounding.
     const EXACT: f64 = 1.1e12;
     if s.abs() < EXACT { (s - n * crate::num::floor(s / n) as f64).clamp(0.0, n) } else { s.rem_euclid(n) }

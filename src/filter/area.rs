@@ -20,14 +20,14 @@
 //! [`LONGEST`] widths are widened. Error: `docs/filters.md`.
 
 use super::exact::mean_on_level;
-use super::rows::Weights;
-use super::sum::{Placed, Sum, placed};
+use super::rows::{Slabs, lifted};
+use super::sum::{Placed, placed, rows_mean};
 use super::{Query, Reader, bilinear, lerp4};
+use crate::kernel::window::{self, Soft, Spans, Strip};
 use crate::lod;
 use crate::num::{Real, log2};
 use crate::texel::Texel;
 use crate::texture::Decode;
-use std::cell::RefCell;
 
 /// Texels in the smaller height, on the finest level that is read for it.
 const TARGET: f64 = 3.0;
@@ -39,21 +39,20 @@ const COARSE: f64 = 0.7;
 const TRUSTED: f64 = 0.004;
 /// Longest footprint, in widths.
 const LONGEST: f64 = 512.0;
+/// Footprints thinner than this, in texels, are left to [`super::exact`].
+const THIN: f64 = 0.01;
 
-thread_local! {
-    static ROW: RefCell<Vec<f64>> = const { RefCell::new(Vec::new()) };
-}
-
-/// The filter at one place.
+/// The filter at one place. Never inlined: once for each kind of texture is enough.
+#[inline(never)]
 pub(crate) fn area<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, query: &Query) -> [T::Real; 4] {
-    let axes = query.jacobian_tx.axes();
-    if !axes.sigma1.is_finite() {
+    let [[a, b], [c, d]] = query.jacobian_tx.m;
+    let squares = [a * a + c * c, b * b + d * d];
+    if !(squares[0] + squares[1]).is_finite() {
         return bilinear(r, r.last_level(), query.s, query.t);
     }
-    let [[a, b], [c, d]] = query.jacobian_tx.m;
-    let longest = (a * a + c * c).max(b * b + d * d).sqrt();
+    let longest = squares[0].max(squares[1]).sqrt();
     let height = if longest > 0.0 { query.jacobian_tx.det().abs() / longest } else { 0.0 };
-    let height = height.max(axes.sigma1 / LONGEST);
+    let height = height.max(longest / LONGEST);
     let (level, fraction) = lod::split(lod::clamp(log2((height / TARGET) as f32), r.last_level()));
     let fine = on_level(r, level, query);
     let share = (fraction - (1.0 - BAND)) / BAND;
@@ -64,6 +63,7 @@ pub(crate) fn area<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, query: &Query) 
 }
 
 /// The mean over the footprint on one level.
+#[inline(always)]
 fn on_level<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, level: usize, query: &Query) -> [T::Real; 4] {
     let place = placed(r, level, query);
     let [[a, b], [c, d]] = place.jacobian.m;
@@ -80,45 +80,37 @@ fn on_level<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, level: usize, query: &
         2.0 * (height - 1.0)
     };
     let trust = trust.clamp(0.0, 1.0);
-    let exact = |r| mean_on_level(r, level, query);
     if trust == 0.0 {
-        return exact(r);
+        return hard(r, level, &place, height, query);
     }
     let soft = soft(r, level, &place, if level == 0 { 1.0 } else { COARSE });
-    if trust == 1.0 { soft } else { lerp4(exact(r), soft, T::Real::from_f64(trust)) }
-}
-
-/// One pair of sides: the distance of a point from their centre line is `normal . (x, y)`.
-struct Strip {
-    normal: [f64; 2],
-    half: f64,
-    soft: f64,
-}
-
-impl Strip {
-    /// Weight at a distance.
-    #[inline]
-    fn weight(&self, distance: f64) -> f64 {
-        let step = |z: f64| {
-            let c = (z / self.soft).clamp(-1.0, 1.0);
-            0.5 + c * (1.0 - 0.5 * c.abs())
-        };
-        let p = distance.abs();
-        step(self.half - p) + step(self.half + p) - 1.0
+    if trust == 1.0 {
+        return soft;
     }
-
-    /// Where a row, `dy` above the centre, lies within the strip.
-    fn interval(&self, dy: f64) -> (f64, f64) {
-        let (reach, offset) = (self.half + self.soft, self.normal[1] * dy);
-        let slope = self.normal[0];
-        if slope.abs() < 1e-12 {
-            return if offset.abs() < reach { (-f64::INFINITY, f64::INFINITY) } else { (1.0, -1.0) };
-        }
-        let (p, q) = ((-reach - offset) / slope, (reach - offset) / slope);
-        (p.min(q), p.max(q))
-    }
+    lerp4(hard(r, level, &place, height, query), soft, T::Real::from_f64(trust))
 }
 
+/// The mean by weights that are exact, or nearly so.
+fn hard<T: Texel, D: Decode<T>>(
+    r: &Reader<'_, T, D>,
+    level: usize,
+    place: &Placed,
+    height: f64,
+    query: &Query,
+) -> [T::Real; 4] {
+    let [[a, b], [c, d]] = place.jacobian.m;
+    let extent = [0.5 * (a.abs() + b.abs()) + 1.0, 0.5 * (c.abs() + d.abs()) + 1.0];
+    if height.is_nan() || height < THIN || 2.0 * extent[0].max(extent[1]) > (window::LONGEST - 4) as f64 {
+        return mean_on_level(r, level, query);
+    }
+    let centre = [place.near(0, extent[0]), place.near(1, extent[1])];
+    let slabs = Slabs::parallelogram(lifted(place.jacobian)).parts;
+    let footprint = Spans { centre, slabs: &slabs };
+    rows_mean(r, level, centre, extent, |rows| window::spans(r.isa, &footprint, rows))
+}
+
+/// The mean by soft weights.
+#[inline(always)]
 fn soft<T: Texel, D: Decode<T>>(
     r: &Reader<'_, T, D>,
     level: usize,
@@ -127,37 +119,11 @@ fn soft<T: Texel, D: Decode<T>>(
 ) -> [T::Real; 4] {
     let [[a, b], [c, d]] = place.jacobian.m;
     let area = place.jacobian.det().abs();
-    // The sides along (x, y) have the distance area / |(x, y)|.
-    let strip = |x: f64, y: f64| {
-        let length = (x * x + y * y).sqrt();
-        Strip { normal: [-y / length, x / length], half: 0.5 * area / length, soft: softness }
-    };
-    let strips = [strip(b, d), strip(a, c)];
-    let reach = |p: f64, q: f64| {
-        let grown = |side: f64, strip: &Strip| 0.5 * side.abs() * (1.0 + softness / strip.half);
-        grown(p, &strips[0]) + grown(q, &strips[1])
-    };
-    let (width, height) = (reach(a, b), reach(c, d));
-    let centre = [place.near(0, width), place.near(1, height)];
-    let mut sum = Sum::new(r, level, centre);
-    ROW.with_borrow_mut(|weights| {
-        let mut y = (centre[1] - height).ceil();
-        while y <= centre[1] + height {
-            let dy = y - centre[1];
-            let (p, q) = (strips[0].interval(dy), strips[1].interval(dy));
-            let first = (centre[0] + p.0.max(q.0)).ceil();
-            let count = ((centre[0] + p.1.min(q.1)).floor() - first).max(-1.0) + 1.0;
-            weights.clear();
-            let start = first - centre[0];
-            let [p, q] =
-                [&strips[0], &strips[1]].map(|s| (s.normal[0], s.normal[0] * start + s.normal[1] * dy));
-            weights.extend((0..count as usize).map(|k| {
-                let k = k as f64;
-                strips[0].weight(p.1 + p.0 * k) * strips[1].weight(q.1 + q.0 * k)
-            }));
-            sum.row(r, level, &Weights { row: y as i64, first: first as i64, weights, middle: 0..0 });
-            y += 1.0;
-        }
-    });
-    sum.mean()
+    let strips = [Strip::new(b, d, area, softness), Strip::new(a, c, area, softness)];
+    let grow = [1.0 + softness / strips[0].half, 1.0 + softness / strips[1].half];
+    let extent =
+        [0.5 * (a.abs() * grow[0] + b.abs() * grow[1]), 0.5 * (c.abs() * grow[0] + d.abs() * grow[1])];
+    let centre = [place.near(0, extent[0]), place.near(1, extent[1])];
+    let footprint = Soft { centre, strips, extent, softness };
+    rows_mean(r, level, centre, extent, |rows| window::soft(r.isa, &footprint, rows))
 }

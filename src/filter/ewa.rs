@@ -40,6 +40,7 @@ thread_local! {
 }
 
 /// The filter at one place.
+#[inline(never)]
 pub(crate) fn ewa<T: Texel, D: Decode<T>>(
     r: &Reader<'_, T, D>,
     query: &Query,

@@ -31,6 +31,7 @@ thread_local! {
 }
 
 /// The filter at one place.
+#[inline(never)]
 pub(crate) fn exact<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, query: &Query) -> [T::Real; 4] {
     if !query.jacobian_tx.is_finite() {
         return bilinear(r, r.last_level(), query.s, query.t);

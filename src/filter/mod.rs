@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::jacobian::Jacobian;
+use crate::kernel::Isa;
 use crate::num::Real;
 use crate::texel::Texel;
 use crate::texture::{Decode, Layers};
@@ -168,6 +169,8 @@ impl Query {
 /// One group of channels, opened for reading: texels by wrapped index, decoded.
 pub(crate) struct Reader<'a, T: Texel, D> {
     pub layers: &'a Layers<'a, T>,
+    /// The instruction set of the kernels.
+    pub isa: Isa,
     decode: D,
     outside: [T::Real; 4],
     /// Texels of each level per texel of level 0, along u and v.
@@ -176,7 +179,7 @@ pub(crate) struct Reader<'a, T: Texel, D> {
 
 impl<'a, T: Texel, D: Decode<T>> Reader<'a, T, D> {
     /// Opens `layers`, whose codes `decode` understands.
-    pub fn new(layers: &'a Layers<'a, T>, decode: D) -> Self {
+    pub fn new(layers: &'a Layers<'a, T>, decode: D, isa: Isa) -> Self {
         let base = &layers.planes[0];
         let scale = layers
             .planes
@@ -185,7 +188,7 @@ impl<'a, T: Texel, D: Decode<T>> Reader<'a, T, D> {
                 [f64::from(p.width) / f64::from(base.width), f64::from(p.height) / f64::from(base.height)]
             })
             .collect();
-        Self { layers, decode, outside: decode.outside(layers.border), scale }
+        Self { layers, isa, decode, outside: decode.outside(layers.border), scale }
     }
 
     /// Index of the coarsest level.

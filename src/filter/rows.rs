@@ -16,6 +16,7 @@
 //! the picture no longer changes, whatever lies there is one piece.
 
 use crate::jacobian::Jacobian;
+use crate::kernel::window::Slab;
 use crate::num::floor;
 
 /// Slabs with less than this share of the footprint are left out.
@@ -23,19 +24,13 @@ const NEGLIGIBLE: f64 = 1e-14;
 /// Half the distance of the Gauss points, in half pieces.
 const GAUSS: f64 = 0.577_350_269_189_625_8;
 
-/// Part of a footprint between two heights, relative to its centre; everything in it is linear in y.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Slab {
-    y: [f64; 2],
-    left: [f64; 2],
-    right: [f64; 2],
-    /// Share of the footprint per height.
-    density: [f64; 2],
-}
-
 /// A footprint without horizontal overhang: up to three slabs, upwards.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Slabs([Slab; 3]);
+pub(super) struct Slabs {
+    pub parts: [Slab; 3],
+    /// Share of the footprint per height at the bottom and at the top of each.
+    density: [[f64; 2]; 3],
+}
 
 impl Slabs {
     /// The parallelogram with the Jacobian's columns for sides; not both of height 0 (see [`lifted`]).
@@ -62,11 +57,12 @@ impl Slabs {
         };
         let (top, d) = (-x, 1.0 / high);
         let (y1, y2) = (y0 + low, y3 - low);
-        Self([
-            Slab { y: [y0, y1], left: [x, l1], right: [x, r1], density: [0.0, d] },
-            Slab { y: [y1, y2], left: [l1, l2], right: [r1, r2], density: [d, d] },
-            Slab { y: [y2, y3], left: [l2, top], right: [r2, top], density: [d, 0.0] },
-        ])
+        let parts = [
+            Slab { y: [y0, y1], left: [x, l1], right: [x, r1] },
+            Slab { y: [y1, y2], left: [l1, l2], right: [r1, r2] },
+            Slab { y: [y2, y3], left: [l2, top], right: [r2, top] },
+        ];
+        Self { parts, density: [[0.0, d], [d, d], [d, 0.0]] }
     }
 }
 
@@ -151,7 +147,7 @@ pub(super) fn walk(
     scratch: &mut Scratch,
     mut emit: impl FnMut(Weights<'_>),
 ) {
-    let ends = slabs.0.iter().flat_map(|s| [s.left, s.right]).flatten();
+    let ends = slabs.parts.iter().flat_map(|s| [s.left, s.right]).flatten();
     let (low, high) = ends.fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
     let cell_of = |v: f64, b: Bounds| floor(v.clamp(b.first - 1.0, b.last));
     let base = cell_of(centre[0] + low, x) - 2;
@@ -160,7 +156,8 @@ pub(super) fn walk(
     scratch.upper.resize(len);
     let mut walk = Walk { scratch, base, x };
     let mut row = None;
-    for slab in slabs.0.iter().filter(|s| (s.y[1] - s.y[0]) * s.density[0].max(s.density[1]) > NEGLIGIBLE) {
+    let parts = slabs.parts.iter().zip(slabs.density);
+    for (slab, density) in parts.filter(|(s, d)| (s.y[1] - s.y[0]) * d[0].max(d[1]) > NEGLIGIBLE) {
         let mut from = slab.y[0];
         let mut cell = cell_of(centre[1] + from, y);
         loop {
@@ -186,7 +183,7 @@ pub(super) fn walk(
                 } else {
                     [centre[1] - cell as f64, 1.0]
                 };
-                walk.strip(slab, centre[0], from, to, fraction);
+                walk.strip(slab, density, centre[0], from, to, fraction);
             }
             if edge >= slab.y[1] {
                 break;
@@ -224,10 +221,10 @@ impl Walk<'_> {
 
     /// The part of a slab between two rows of texel centres; `y` from its centre lies at
     /// `fraction[0] + y fraction[1]` of the way from the lower to the upper.
-    fn strip(&mut self, slab: &Slab, centre: f64, from: f64, to: f64, fraction: [f64; 2]) {
+    fn strip(&mut self, slab: &Slab, density: [f64; 2], centre: f64, from: f64, to: f64, fraction: [f64; 2]) {
         let height = slab.y[1] - slab.y[0];
         let line = |v: [f64; 2]| (v[0], (v[1] - v[0]) / height);
-        let (density, left, right) = (line(slab.density), line(slab.left), line(slab.right));
+        let (density, left, right) = (line(density), line(slab.left), line(slab.right));
         let at = |(v, slope): (f64, f64), y: f64| v + slope * (y - slab.y[0]);
         let mut cuts = [left, right].map(|side| Cuts::new(side, centre, at(side, from), self.x));
         let mut y = from;

@@ -14,6 +14,7 @@ use crate::texel::Texel;
 use crate::texture::Decode;
 
 /// The filter at one place. The layers have their table (see `Texture::table`).
+#[inline(never)]
 pub(crate) fn sat<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, query: &Query) -> [T::Real; 4] {
     let Some(table) = r.layers.sums else {
         return bilinear(r, 0, query.s, query.t);

@@ -15,6 +15,7 @@ use crate::texel::Texel;
 use crate::texture::Decode;
 
 /// The filter at one place, with one seed.
+#[inline(never)]
 pub(crate) fn stochastic<T: Texel, D: Decode<T>>(
     r: &Reader<'_, T, D>,
     query: &Query,

@@ -3,10 +3,12 @@
 use super::rows::{Bounds, Weights};
 use super::{Query, Reader};
 use crate::jacobian::Jacobian;
+use crate::kernel::plane::Plane;
+use crate::kernel::window::{Grid, Rows};
 use crate::num::{Real, floor};
-use crate::texel::Texel;
+use crate::texel::{Codes, Texel};
 use crate::texture::Decode;
-use crate::wrap::Wrap;
+use crate::wrap::{Wrap, modulo};
 
 /// Longest extent, in texels, of a footprint along an axis that repeats itself.
 const LONGEST: f64 = 32_768.0;
@@ -19,31 +21,41 @@ pub(super) struct Placed {
 }
 
 /// Brings a finite footprint to a level, near the origin by whole periods: the picture there is the same.
+#[inline(always)]
 pub(super) fn placed<T: Texel, D>(r: &Reader<'_, T, D>, level: usize, query: &Query) -> Placed {
     let (base, plane) = (&r.layers.planes[0], &r.layers.planes[level]);
     let [kx, ky] = r.scale[level];
     let mut jacobian = query.jacobian_tx.scaled(kx, ky);
-    let axis = |axis: usize, place: f64, row: &mut [f64; 2]| {
-        let (full, n) = if axis == 0 { (base.width, plane.width) } else { (base.height, plane.height) };
-        let (wrap, scale) = (r.layers.wrap[axis], r.scale[level][axis]);
-        let Some(period) = wrap.period(full.into()) else {
-            return (place * scale - 0.5, bounds(wrap, n.into()));
-        };
-        if n == 1 {
-            // One texel without end.
-            return (0.0, Bounds { first: 0.0, last: 0.0 });
-        }
-        let extent = row[0].abs() + row[1].abs();
-        if extent > LONGEST {
-            *row = row.map(|x| x * (LONGEST / extent));
-        }
-        let endless = Bounds { first: f64::NEG_INFINITY, last: f64::INFINITY };
-        (place.rem_euclid(period) * scale - 0.5, endless)
-    };
     let [row_x, row_y] = &mut jacobian.m;
-    let (x, x_bounds) = axis(0, query.s, row_x);
-    let (y, y_bounds) = axis(1, query.t, row_y);
+    let [wu, wv] = r.layers.wrap;
+    let (x, x_bounds) = placed_along(wu, [base.width, plane.width], kx, query.s, row_x);
+    let (y, y_bounds) = placed_along(wv, [base.height, plane.height], ky, query.t, row_y);
     Placed { centre: [x, y], jacobian, bounds: [x_bounds, y_bounds] }
+}
+
+/// One axis of [`placed`]: texels of level 0 and of the level are `full` and `n`.
+#[inline(always)]
+fn placed_along(
+    wrap: Wrap,
+    [full, n]: [i32; 2],
+    scale: f64,
+    place: f64,
+    row: &mut [f64; 2],
+) -> (f64, Bounds) {
+    let Some(period) = wrap.period(full.into()) else {
+        return (place * scale - 0.5, bounds(wrap, n.into()));
+    };
+    if n == 1 {
+        // One texel without end.
+        return (0.0, Bounds { first: 0.0, last: 0.0 });
+    }
+    let extent = row[0].abs() + row[1].abs();
+    if extent > LONGEST {
+        *row = row.map(|x| x * (LONGEST / extent));
+    }
+    let endless = Bounds { first: f64::NEG_INFINITY, last: f64::INFINITY };
+    let place = if place >= 0.0 && place < period { place } else { modulo(place, period) };
+    (place * scale - 0.5, endless)
 }
 
 impl Placed {
@@ -64,6 +76,73 @@ fn bounds(wrap: Wrap, n: f64) -> Bounds {
     Bounds { first, last }
 }
 
+/// Calls `mean` with the texels around a place, as far as `extent` to each side, and a reference that their differences
+/// are taken from; adds that to the result.
+#[inline(always)]
+pub(super) fn rows_mean<T: Texel, D: Decode<T>>(
+    r: &Reader<'_, T, D>,
+    level: usize,
+    centre: [f64; 2],
+    extent: [f64; 2],
+    mean: impl FnOnce(Rows<'_, '_>) -> [f32; 4],
+) -> [T::Real; 4] {
+    let plane = &r.layers.planes[level];
+    let reference = reference(r, level, centre);
+    let [x, y] = [0, 1].map(|k| (floor(centre[k] - extent[k]), floor(centre[k] + extent[k]) + 1));
+    let inside = x.0 >= plane.columns.0.into()
+        && x.1 <= plane.columns.1.into()
+        && y.0 >= plane.rows.0.into()
+        && y.1 <= plane.rows.1.into();
+    let difference =
+        if let Some(rows) = inside.then(|| in_place::<T, D>(plane, reference, x.1, y.1)).flatten() {
+            mean(rows)
+        } else {
+            let mut fetch = |row: i64, first: i64, texels: &mut [f32; 32]| {
+                for (x, texel) in (first..).zip(texels.chunks_exact_mut(4)) {
+                    let values = r.tap(level, x as i32, row as i32);
+                    for ((slot, value), reference) in texel.iter_mut().zip(values).zip(reference) {
+                        *slot = (value - reference).to_f64() as f32;
+                    }
+                }
+            };
+            mean(Rows::Fetch(&mut fetch))
+        };
+    std::array::from_fn(|c| reference[c] + T::Real::from_f64(f64::from(difference[c])))
+}
+
+/// Four-channel texels where they stand, if their codes are what is averaged and eight texels from (x, y) on may be read.
+#[inline(always)]
+fn in_place<'a, T: Texel, D: Decode<T>>(
+    plane: &Plane<'a, T>,
+    reference: [T::Real; 4],
+    x: i64,
+    y: i64,
+) -> Option<Rows<'a, 'a>> {
+    let end = plane.origin as i64 + y * plane.row as i64 + 4 * (x + 8);
+    if !D::PLAIN || plane.lanes != 4 || end as usize > plane.data.len() {
+        return None;
+    }
+    let reference = reference.map(|c| c.to_f64() as f32);
+    let (origin, row) = (plane.origin, plane.row);
+    match T::codes(plane.data) {
+        Codes::U8(data) => Some(Rows::U8(Grid { data, origin, row, reference })),
+        Codes::U16(data) => Some(Rows::U16(Grid { data, origin, row, reference })),
+        Codes::F32(data) => Some(Rows::F32(Grid { data, origin, row, reference })),
+        Codes::F16(_) | Codes::F64(_) => None,
+    }
+}
+
+/// The texel nearest to a place, zero where it is not finite.
+#[inline(always)]
+fn reference<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, level: usize, centre: [f64; 2]) -> [T::Real; 4] {
+    let [x, y] = centre.map(|c| floor(c.clamp(-1e9, 1e9) + 0.5) as i32);
+    let plane = &r.layers.planes[level];
+    if T::DTYPE.is_integer() && plane.is_readable(x, y) {
+        return r.decode.texel(plane.texel(x, y));
+    }
+    r.tap(level, x, y).map(|v| if v.to_f64().is_finite() { v } else { T::Real::ZERO })
+}
+
 /// A weighted sum of texels, less a reference: exactly that where all texels are equal.
 pub(super) struct Sum {
     reference: [f64; 4],
@@ -74,11 +153,7 @@ pub(super) struct Sum {
 impl Sum {
     /// An empty sum; the reference is the texel nearest to `centre`.
     pub fn new<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, level: usize, centre: [f64; 2]) -> Self {
-        let [x, y] = centre.map(|c| floor(c.clamp(-1e9, 1e9) + 0.5) as i32);
-        let reference = r.tap(level, x, y).map(|v| {
-            let v = v.to_f64();
-            if v.is_finite() { v } else { 0.0 }
-        });
+        let reference = reference(r, level, centre).map(Real::to_f64);
         Self { reference, total: [0.0; 4], weight: 0.0 }
     }
 

@@ -5,10 +5,12 @@
 pub mod band;
 pub mod box_down;
 pub mod cast;
+pub mod lanes;
 pub mod plane;
 pub mod prefix;
 pub mod range;
 pub mod remap;
+pub mod window;
 
 use crate::error::{Error, Result};
 use std::cell::Cell;
@@ -90,15 +92,32 @@ pub fn with_isa<R>(isa: Isa, work: impl FnOnce() -> R) -> Result<R> {
     Ok(result)
 }
 
+/// Work that is compiled for an instruction set. A closure would do, but only a method can be inlined for certain, and what is
+/// not inlined is not compiled for the set.
+pub trait Work {
+    /// What it gives.
+    type Output;
+    /// Does it; to be marked `#[inline(always)]`.
+    fn run(self) -> Self::Output;
+}
+
+impl<R, F: FnOnce() -> R> Work for F {
+    type Output = R;
+    #[inline(always)]
+    fn run(self) -> R {
+        self()
+    }
+}
+
 /// Runs `work` compiled for `isa`: whatever is inlined into it may use the set's instructions. The
 /// operations are the same, none is fused, and so are the results.
 #[inline(always)]
-pub fn compiled_for<R>(isa: Isa, work: impl FnOnce() -> R) -> R {
+pub fn compiled_for<W: Work>(isa: Isa, work: W) -> W::Output {
     match isa {
         // SAFETY: a set other than `Scalar` is in use only where the machine has it.
         #[cfg(target_arch = "x86_64")]
         Isa::Avx2 | Isa::Avx512 if isa.is_supported() => unsafe { with_avx2(work) },
-        _ => work(),
+        _ => work.run(),
     }
 }
 
@@ -106,6 +125,6 @@ pub fn compiled_for<R>(isa: Isa, work: impl FnOnce() -> R) -> R {
 /// The machine must have AVX2.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-unsafe fn with_avx2<R>(work: impl FnOnce() -> R) -> R {
-    work()
+unsafe fn with_avx2<W: Work>(work: W) -> W::Output {
+    work.run()
 }

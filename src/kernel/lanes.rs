@@ -1,0 +1,192 @@
+//! Eight singles as one value: the same operations, in the same order, on every instruction set.
+//!
+//! An algorithm is written once, over [`Lanes`]; with [`Portable`] it is its own scalar twin. Every operation is one
+//! rounding of each lane, so results are equal bit for bit.
+
+/// Eight singles.
+pub trait Lanes: Copy {
+    /// `x` in all lanes.
+    fn splat(x: f32) -> Self;
+    /// The eight numbers.
+    fn load(from: &[f32; 8]) -> Self;
+    /// Eight bytes as numbers.
+    fn load_u8(from: &[u8; 8]) -> Self;
+    /// Eight words as numbers.
+    fn load_u16(from: &[u16; 8]) -> Self;
+    /// The lanes as an array.
+    fn store(self) -> [f32; 8];
+    /// `self + other`
+    fn add(self, other: Self) -> Self;
+    /// `self - other`
+    fn sub(self, other: Self) -> Self;
+    /// `self * other`
+    fn mul(self, other: Self) -> Self;
+    /// The lesser of the two; neither may be NaN.
+    fn min(self, other: Self) -> Self;
+    /// The greater of the two; neither may be NaN.
+    fn max(self, other: Self) -> Self;
+    /// Without sign.
+    fn abs(self) -> Self;
+    /// Lane `2 PAIR` four times, then lane `2 PAIR + 1` four times.
+    fn spread<const PAIR: usize>(self) -> Self;
+    /// `self` where `mask` is not zero, else zero.
+    fn where_not_zero(self, mask: Self) -> Self;
+}
+
+/// Lanes in plain Rust: the definition.
+#[derive(Clone, Copy)]
+pub struct Portable([f32; 8]);
+
+impl Portable {
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+        Self(std::array::from_fn(|k| f(self.0[k], other.0[k])))
+    }
+}
+
+impl Lanes for Portable {
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        Self([x; 8])
+    }
+    #[inline(always)]
+    fn load(from: &[f32; 8]) -> Self {
+        Self(*from)
+    }
+    #[inline(always)]
+    fn load_u8(from: &[u8; 8]) -> Self {
+        Self(from.map(f32::from))
+    }
+    #[inline(always)]
+    fn load_u16(from: &[u16; 8]) -> Self {
+        Self(from.map(f32::from))
+    }
+    #[inline(always)]
+    fn store(self) -> [f32; 8] {
+        self.0
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a < b { a } else { b })
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a > b { a } else { b })
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.map(f32::abs))
+    }
+    #[inline(always)]
+    fn spread<const PAIR: usize>(self) -> Self {
+        Self(std::array::from_fn(|k| self.0[2 * PAIR + k / 4]))
+    }
+    #[inline(always)]
+    fn where_not_zero(self, mask: Self) -> Self {
+        self.zip(mask, |a, m| if m != 0.0 { a } else { 0.0 })
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+pub use x86::Avx2;
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use super::Lanes;
+    use std::arch::x86_64::*;
+
+    /// Lanes in one AVX register. To be used only inside functions compiled for AVX2 on a machine that has it.
+    #[derive(Clone, Copy)]
+    pub struct Avx2(__m256);
+
+    // SAFETY, for every block below: values of this type exist only inside functions that are called where the machine
+    // has AVX2, and the intrinsics need nothing else; loads read exactly the arrays they are given.
+    impl Lanes for Avx2 {
+        #[inline(always)]
+        fn splat(x: f32) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_set1_ps(x) })
+        }
+        #[inline(always)]
+        fn load(from: &[f32; 8]) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_loadu_ps(from.as_ptr()) })
+        }
+        #[inline(always)]
+        fn load_u8(from: &[u8; 8]) -> Self {
+            // SAFETY: see above; the load reads the low eight bytes.
+            Self(unsafe { _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(from.as_ptr().cast()))) })
+        }
+        #[inline(always)]
+        fn load_u16(from: &[u16; 8]) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_cvtepi32_ps(_mm256_cvtepu16_epi32(_mm_loadu_si128(from.as_ptr().cast()))) })
+        }
+        #[inline(always)]
+        fn store(self) -> [f32; 8] {
+            let mut out = [0.0; 8];
+            // SAFETY: see above.
+            unsafe { _mm256_storeu_ps(out.as_mut_ptr(), self.0) };
+            out
+        }
+        #[inline(always)]
+        fn add(self, other: Self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_add_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn sub(self, other: Self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_sub_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn mul(self, other: Self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_mul_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn min(self, other: Self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_min_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn max(self, other: Self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_max_ps(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn abs(self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+        }
+        #[inline(always)]
+        fn spread<const PAIR: usize>(self) -> Self {
+            let (even, odd) = (2 * PAIR as i32, 2 * PAIR as i32 + 1);
+            // SAFETY: see above.
+            Self(unsafe {
+                let places = _mm256_setr_epi32(even, even, even, even, odd, odd, odd, odd);
+                _mm256_permutevar8x32_ps(self.0, places)
+            })
+        }
+        #[inline(always)]
+        fn where_not_zero(self, mask: Self) -> Self {
+            // SAFETY: see above.
+            Self(unsafe {
+                let is = _mm256_cmp_ps::<_CMP_NEQ_UQ>(mask.0, _mm256_setzero_ps());
+                _mm256_and_ps(self.0, is)
+            })
+        }
+    }
+}
