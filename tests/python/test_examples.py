@@ -24,7 +24,11 @@ def test_example_runs(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    quick = {"lod_rules": ["--scale", "0.2", "--only", "gravel"], "filter_errors": ["--scale", "0.2"]}
+    quick = {
+        "lod_rules": ["--scale", "0.2", "--only", "gravel"],
+        "filter_errors": ["--scale", "0.2"],
+        "failures": ["--only", "codes"],
+    }
     monkeypatch.setattr("sys.argv", [str(path), *quick.get(path.stem, [])])
     runpy.run_path(str(path), run_name="__main__")
     assert capsys.readouterr().out

@@ -1,0 +1,1 @@
+"""The failures of failures.py, by kind."""
