@@ -75,6 +75,9 @@ pub mod shade;
 
 pub mod render;
 
+#[cfg(feature = "bake")]
+pub mod bake;
+
 pub mod oracle;
 
 #[cfg(feature = "python")]

@@ -1,6 +1,6 @@
 """Texture sampling and filtering on the CPU."""
 
-from . import compat, light, mapping, panorama, reference
+from . import bake, compat, light, mapping, panorama, reference, unwrap
 from ._chart import chart
 from ._files import ImageInfo, image_info, read_image, write_image
 from ._mesh import Camera, Layer, Material, Mesh, MeshImage, Scene, TextureSlot, vertex_normals
@@ -28,6 +28,7 @@ __all__ = [
     "TextureSlot",
     "TextureUse",
     "__version__",
+    "bake",
     "build_pyramid",
     "chart",
     "checkerboard",
@@ -45,6 +46,7 @@ __all__ = [
     "resize",
     "right_size",
     "set_num_threads",
+    "unwrap",
     "vertex_normals",
     "warp",
     "write_image",

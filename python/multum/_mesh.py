@@ -5,7 +5,7 @@ import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, SupportsIndex
+from typing import Any, SupportsFloat, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -327,6 +327,101 @@ class Mesh:
             tangents=tangents.astype(np.float32),
             faces=self.faces[:, ::-1] if mirrors else self.faces,
         )
+
+    def simplify(self, ratio: SupportsFloat) -> "Mesh":
+        """Leave about ``ratio`` of the faces, by quadric error metrics (Garland and Heckbert, SIGGRAPH 1997).
+
+        Where there is uv, the edges where it is cut, and the rim, are kept as they are; new vertices read uv and
+        colours at the closest point of their own chart, and materials are those of the closest face. Normals
+        and tangents are made anew. Needs the package ``fast-simplification``.
+
+        Parameters
+        ----------
+        ratio : float
+            Above 0, at most 1. A mesh with many cuts may keep more.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For a number that is not as above.
+        ImportError
+            Without ``fast-simplification``; ``pip install 'multum[bake]'`` brings it.
+        """
+        from ._simplify import simplify
+
+        return simplify(self, ratio)
+
+    def unwrap(
+        self,
+        size: SupportsIndex = 1024,
+        *,
+        padding: SupportsIndex | None = None,
+        lowest_level: SupportsIndex = 2,
+        method: str = "xatlas",
+        iterations: SupportsIndex = 20,
+    ) -> "Mesh":
+        """Make texture coordinates in which no two faces overlap; uv that were there become the next sets.
+
+        Parameters
+        ----------
+        size : int
+            Side of the square map for which charts are packed, in texels.
+        padding : int, optional
+            Texels between charts. Default: two texels of ``lowest_level``, 2 ** (lowest_level + 1).
+        lowest_level : int
+            Coarsest level of the map's pyramid on which charts should not run into each other.
+        method : str
+            ``"xatlas"``: charts cut and packed by the package xatlas, for any mesh. ``"lscm"`` and ``"arap"``:
+            the mesh is a disk, laid flat as one chart that keeps angles, or shapes; they need SciPy.
+        iterations : int
+            Of ``"arap"``.
+
+        Returns
+        -------
+        Mesh
+            With vertices split at cuts, and with new tangents.
+
+        Raises
+        ------
+        ValueError, TypeError
+            For a word or number that is not as above, charts that do not fit, or a mesh that is no disk where
+            it must be one.
+        ImportError
+            Without the package; ``pip install 'multum[bake]'`` brings both.
+        """
+        from .unwrap import unwrap
+
+        return unwrap(
+            self, size, padding=padding, lowest_level=lowest_level, method=method, iterations=iterations
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a glTF file: ``.glb`` in one file, ``.gltf`` with its buffer and pictures beside it.
+
+        Parameters
+        ----------
+        path : path
+            PNG and JPEG pictures are written as they are, arrays as PNG. What glTF has no place for is left out:
+            bump maps, specular and shininess of the Phong model, layers.
+
+        Raises
+        ------
+        ValueError
+            For another extension, or what glTF cannot hold.
+        OSError
+            When a file cannot be written, or a picture cannot be read.
+
+        Examples
+        --------
+        >>> import multum as mt, pathlib, tempfile
+        >>> path = pathlib.Path(tempfile.mkdtemp(), "triangle.glb")
+        >>> mt.Mesh.build([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).save(path)
+        >>> mt.Mesh.open(path).positions.shape
+        (3, 3)
+        """
+        from ._gltf import save
+
+        save(self, path)
 
     def texture(self, slot: TextureSlot) -> Texture:
         """Decode the picture of a slot into a texture with the slot's encoding and wrap modes.

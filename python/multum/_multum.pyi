@@ -313,6 +313,42 @@ class Drawing:
         progress: Callable[[float], object] | None,
     ) -> tuple[NDArray[Any], list[Any]]: ...
 
+def cast_rays(
+    positions: ArrayLike,
+    faces: ArrayLike,
+    origins: ArrayLike,
+    directions: ArrayLike,
+    threads: int | None,
+) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]: ...
+def closest_points(
+    positions: ArrayLike, faces: ArrayLike, points: ArrayLike
+) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]: ...
+
+@final
+class Baked:
+    def image(self, dtype: str, encoding: str, range: tuple[float, float] | None) -> NDArray[Any]: ...
+    def range(self) -> tuple[float, float] | None: ...
+    def coverage(self) -> NDArray[np.float32]: ...
+    def flags(self) -> NDArray[np.uint8]: ...
+    def report(self) -> tuple[dict[str, Any], list[str]]: ...
+
+def bake_map(
+    high: object,
+    low: object,
+    size: tuple[int, int],
+    what: str,
+    space: str,
+    rays: int,
+    radius: float,
+    paints: list[tuple[list[float], Texture | None, int, list[list[float]]]],
+    samples: int,
+    method: str,
+    distance: float | None,
+    cage: ArrayLike | None,
+    padding: int | None,
+    threads: int | None,
+    progress: Callable[[float], object] | None,
+) -> Baked: ...
 def vertex_normals(positions: ArrayLike, faces: ArrayLike) -> NDArray[np.float32]: ...
 
 @final

@@ -298,7 +298,22 @@ pub fn work<R: Send>(
     threads: Option<usize>,
     job: impl FnOnce() -> Result<R> + Send,
 ) -> PyResult<R> {
-    let check = |_done: f64| Python::attach(|py| py.check_signals().map_err(|e| e.restore(py)).is_err());
+    work_reporting(py, threads, None, job)
+}
+
+/// As [`work`], and calls `progress` now and then with the share that is done; what it raises ends the work.
+pub fn work_reporting<R: Send>(
+    py: Python<'_>,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+    job: impl FnOnce() -> Result<R> + Send,
+) -> PyResult<R> {
+    let check = move |done: f64| {
+        Python::attach(|py| {
+            let called = progress.as_ref().map_or(Ok(()), |call| call.call1(py, (done,)).map(drop));
+            called.and_then(|()| py.check_signals()).map_err(|e| e.restore(py)).is_err()
+        })
+    };
     let run = || crate::par::with_threads(threads, || crate::par::with_interrupt(check, job));
     Ok(py.detach(run)?)
 }

@@ -2,6 +2,7 @@
 
 use pyo3::prelude::*;
 
+mod bake;
 pub mod convert;
 mod cv2;
 mod errors;
@@ -25,6 +26,7 @@ mod warp;
 fn _multum(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     cv2::register(module)?;
+    bake::register(module)?;
     files::register(module)?;
     mapping::register(module)?;
     mesh::register(module)?;

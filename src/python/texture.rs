@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 /// A texture: an image with its levels, wrap modes, border colour and encoding.
 #[pyclass(frozen, module = "multum._multum")]
 pub struct Texture {
-    inner: crate::texture::Texture<'static>,
+    pub(super) inner: crate::texture::Texture<'static>,
     /// Whether the image had no axis of channels.
     is_flat: bool,
 }

@@ -1,0 +1,345 @@
+"""Texture coordinates for a mesh: charts cut and packed, or one patch laid flat; and how good they are.
+
+:meth:`multum.Mesh.unwrap` makes them; here are the parts, the measures and the pictures.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, SupportsIndex
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._arguments import count, image_size
+from ._flatten import arap, check_disk, lscm, plane_corners
+from ._mesh import Material, Mesh, Scene, TextureSlot
+from ._raster import rasterize
+from ._transfer import components, needed, sources, uv_faces
+from .bake import bake_quietly
+from .mapping import checkerboard as _checkerboard
+
+__all__ = ["Metrics", "checkerboard", "flatten", "heat_map", "metrics", "unwrap"]
+
+_METHODS = ("xatlas", "lscm", "arap")
+
+
+@dataclass(frozen=True, eq=False)
+class Metrics:
+    """How far texture coordinates are from an isometry; numbers per face are (F,)."""
+
+    area_stretch: NDArray[np.float64] = field(repr=False)
+    """Area in texture space per area of the surface, 1 for the mean of the mesh: the product of the singular
+    values."""
+    angle_stretch: NDArray[np.float64] = field(repr=False)
+    """Longest by shortest stretch, 1 where angles are kept: the ratio of the singular values."""
+    texel_density: NDArray[np.float64] = field(repr=False)
+    """Texels per unit of length: the root of the area in texels by the area of the surface."""
+    mirrored: NDArray[np.bool_] = field(repr=False)
+    """Faces that lie mirrored in texture space."""
+    mean_area_stretch: float
+    """Of max(s, 1 / s), weighted by the surface's area; 1 is perfect."""
+    mean_angle_stretch: float
+    """Weighted by the surface's area; 1 is perfect."""
+    flipped_faces: int
+    """Faces that lie the other way round than most of their chart."""
+    overlapping_texels: int
+    """Texels that several faces share."""
+    degenerate_faces: int
+    """Faces without an area on the surface or in texture space."""
+    charts: int
+    """Pieces of texture space that hang together."""
+    seam_length: float
+    """Length of the edges where the surface goes on and the texture does not, in the mesh's unit."""
+    utilization: float
+    """Share of the map's texels that some face covers."""
+
+
+def unwrap(
+    mesh: Mesh,
+    size: SupportsIndex = 1024,
+    *,
+    padding: SupportsIndex | None = None,
+    lowest_level: SupportsIndex = 2,
+    method: str = "xatlas",
+    iterations: SupportsIndex = 20,
+) -> Mesh:
+    """Make texture coordinates; see :meth:`multum.Mesh.unwrap`."""
+    if not isinstance(mesh, Mesh):
+        raise TypeError(f"mesh: got {type(mesh).__name__}, expected a Mesh")
+    side = count("size", size, most=16384)
+    level = count("lowest_level", lowest_level, least=0, most=12)
+    gap = count("padding", padding, least=0, most=side // 4) if padding is not None else 2 << level
+    if method not in _METHODS:
+        raise ValueError(f"method: got {method!r}, expected one of {', '.join(map(repr, _METHODS))}")
+    if len(mesh.faces) == 0:
+        raise ValueError("mesh: got a mesh without faces, expected at least one")
+    if method == "xatlas":
+        vertex, faces, uv = _atlas(mesh, side, gap)
+    else:
+        uv = flatten(mesh, method=method, iterations=iterations)
+        vertex, faces = np.arange(len(uv)), mesh.faces.astype(np.int64)
+        low, high = uv.min(axis=0), uv.max(axis=0)
+        margin = gap / side
+        scale = (1.0 - 2.0 * margin) / max(float((high - low).max()), 1e-300)
+        uv = margin + (uv - low) * scale
+    made = Mesh.build(mesh.positions[vertex], faces, uv=uv, normals=mesh.normals[vertex])
+    source = vertex[sources(made, faces)]
+    materials = [_later(material) for material in mesh.materials]
+    return dataclasses.replace(
+        made,
+        uv_sets=[*made.uv_sets, *(old[source] for old in mesh.uv_sets)],
+        colors=None if mesh.colors is None else mesh.colors[source],
+        face_material=mesh.face_material,
+        materials=materials,
+        images=mesh.images,
+    )
+
+
+def _later(material: Material) -> Material:
+    """The material with its slots naming uv sets one later."""
+
+    def moved(slot: TextureSlot) -> TextureSlot:
+        return dataclasses.replace(slot, uv_set=slot.uv_set + 1)
+
+    slots: dict[str, Any] = {
+        name: moved(value) for name, value in vars(material).items() if isinstance(value, TextureSlot)
+    }
+    layers = tuple(dataclasses.replace(layer, texture=moved(layer.texture)) for layer in material.layers)
+    return dataclasses.replace(material, **slots, layers=layers)
+
+
+def _atlas(
+    mesh: Mesh, side: int, gap: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+    xatlas = needed("xatlas", "xatlas", "Mesh.unwrap")
+    resolution = side
+    for _ in range(8):
+        atlas = xatlas.Atlas()
+        atlas.add_mesh(mesh.positions, mesh.faces, mesh.normals)
+        options = xatlas.PackOptions()
+        options.resolution, options.padding = resolution, gap
+        # Its turns by a right angle swap the axes, which mirrors a chart.
+        options.rotate_charts = False
+        atlas.generate(pack_options=options)
+        largest = max(atlas.width, atlas.height)
+        if atlas.atlas_count == 1 and 0 < largest <= side:
+            break
+        # The resolution is a wish to xatlas, not a limit: ask for less until the charts fit with their gaps.
+        resolution = max(1, int(resolution * min(0.95, side / max(largest, 1))))
+    else:
+        raise ValueError(
+            f"size: got {side} with padding {gap}, where the charts do not fit; expected a larger map"
+        )
+    vertex, faces, uv = atlas.get_mesh(0)
+    texels = np.asarray(uv, np.float64) * [atlas.width, atlas.height] / side
+    # Texture coordinates of xatlas turn as the surface does; here v runs down.
+    texels[:, 1] = 1.0 - texels[:, 1]
+    return np.asarray(vertex, np.int64), np.asarray(faces, np.int64).reshape(-1, 3), texels
+
+
+def flatten(mesh: Mesh, *, method: str = "arap", iterations: SupportsIndex = 20) -> NDArray[np.float64]:
+    """Lay a disk-like patch flat, in the unit of the mesh.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        One piece with one rim and no handle; vertices at the same place are one.
+    method : str
+        ``"lscm"``, which keeps angles, or ``"arap"``, which begins with it and keeps shapes.
+    iterations : int
+        Of ``"arap"``.
+
+    Returns
+    -------
+    uv : array, shape (V, 2)
+        v runs down; not in [0, 1].
+
+    Raises
+    ------
+    ValueError
+        When the mesh is no disk.
+    ImportError
+        Without SciPy, whose sparse solvers are used.
+
+    Examples
+    --------
+    >>> import multum as mt, numpy as np
+    >>> x, y = np.meshgrid(np.linspace(0, 1, 5), np.linspace(0, 1, 5))
+    >>> corner = np.arange(20).reshape(4, 5)[:, :4].reshape(-1, 1)
+    >>> faces = np.concatenate([corner + [0, 1, 6], corner + [0, 6, 5]])
+    >>> bent = np.stack([np.sin(x), y, np.cos(x)], -1).reshape(-1, 3)
+    >>> uv = mt.unwrap.flatten(mt.Mesh.build(bent, faces))
+    >>> bool(abs(np.linalg.norm(uv[24] - uv[0]) - 2 ** 0.5) < 0.02)
+    True
+    """
+    if method not in ("lscm", "arap"):
+        raise ValueError(f"method: got {method!r}, expected 'lscm' or 'arap'")
+    rounds = count("iterations", iterations, least=0)
+    places, welded = np.unique(mesh.positions + 0.0, axis=0, return_inverse=True)
+    welded = welded.reshape(-1)
+    used, faces = np.unique(welded[mesh.faces.astype(np.int64)], return_inverse=True)
+    faces = faces.reshape(-1, 3)
+    points = places[used].astype(np.float64)
+    solid = plane_corners(points, faces)[:, 2, 1] > 0
+    if not solid.all():
+        raise ValueError(f"mesh: got {int((~solid).sum())} faces without an area, expected none")
+    check_disk(faces)
+    if components(faces, len(faces)).any():
+        raise ValueError("mesh: got several pieces, expected one")
+    flat = lscm(points, faces)
+    if method == "arap":
+        flat = arap(points, faces, flat, rounds)
+    uv = np.zeros((len(places), 2))
+    uv[used] = flat
+    uv[:, 1] *= -1.0
+    return uv[welded]
+
+
+def metrics(mesh: Mesh, size: SupportsIndex | Sequence[SupportsIndex] = 1024) -> Metrics:
+    """Measure texture coordinates on a map of ``size`` texels.
+
+    Sander, Snyder, Gortler, Hoppe, "Texture mapping progressive meshes", SIGGRAPH 2001: the singular values
+    of the map from the surface to the texture.
+
+    Raises
+    ------
+    ValueError
+        When the mesh has no uv.
+
+    Examples
+    --------
+    >>> import multum as mt
+    >>> square = mt.Mesh.build([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]], [[0, 1, 2], [0, 2, 3]],
+    ...                              uv=[[0, 1], [1, 1], [1, 0], [0, 0]])
+    >>> found = mt.unwrap.metrics(square, 64)
+    >>> round(found.mean_angle_stretch, 6), found.texel_density.round(6).tolist(), found.charts
+    (1.0, [32.0, 32.0], 1)
+    """
+    if mesh.uv is None:
+        raise ValueError("mesh: got a mesh without uv, expected one with uv")
+    width, height = image_size(size if isinstance(size, Sequence) else (size, size))
+    faces = mesh.faces.astype(np.int64)
+    flat = plane_corners(mesh.positions.astype(np.float64), faces)
+    texels = mesh.uv.astype(np.float64)[faces] * [width, height]
+    along = np.stack([flat[:, 1], flat[:, 2]], axis=2)
+    to = np.stack([texels[:, 1] - texels[:, 0], texels[:, 2] - texels[:, 0]], axis=2)
+    area = 0.5 * np.linalg.det(along)
+    signed = 0.5 * np.linalg.det(to)
+    sound = (area > 0) & (signed != 0) & np.isfinite(signed)
+    jacobian = np.zeros_like(to)
+    jacobian[sound] = to[sound] @ np.linalg.inv(along[sound])
+    values = np.linalg.svd(jacobian, compute_uv=False)
+    product, ratio = np.full(len(faces), np.nan), np.full(len(faces), np.nan)
+    product[sound] = values[sound].prod(axis=1)
+    ratio[sound] = values[sound, 0] / values[sound, 1]
+    whole = area[sound].sum()
+    mean = np.abs(signed[sound]).sum() / whole if whole > 0 else np.nan
+    stretch = product / mean
+    weight = area[sound] / whole if whole > 0 else area[sound]
+    # v runs down: what is not mirrored turns the other way than the surface.
+    mirrored = signed > 0
+    label = components(uv_faces(mesh), len(faces))
+    charts, chart = np.unique(label, return_inverse=True)
+    turned = np.bincount(chart, weights=np.where(mirrored, -1.0, 1.0) * area, minlength=len(charts))
+    report = bake_quietly(mesh, mesh, (width, height), "height", "float32", "linear", None, samples=2)[1]
+    return Metrics(
+        area_stretch=stretch,
+        angle_stretch=ratio,
+        texel_density=np.sqrt(product),
+        mirrored=mirrored & sound,
+        mean_area_stretch=float((np.maximum(stretch[sound], 1.0 / stretch[sound]) * weight).sum()),
+        mean_angle_stretch=float((ratio[sound] * weight).sum()),
+        flipped_faces=int((sound & (mirrored == (turned[chart] > 0))).sum()),
+        overlapping_texels=report.overlapping,
+        degenerate_faces=int((~sound).sum()),
+        charts=len(charts),
+        seam_length=_seams(mesh),
+        utilization=(report.covered + report.missed) / report.texels,
+    )
+
+
+def _seams(mesh: Mesh) -> float:
+    """Length of the edges in space with two faces or more whose uv differ along it."""
+    _, place = np.unique(mesh.positions + 0.0, axis=0, return_inverse=True)
+    space = place.reshape(-1)[mesh.faces.astype(np.int64)]
+    texture = uv_faces(mesh)
+    pairs = [(k, (k + 1) % 3) for k in range(3)]
+    ends = np.concatenate([space[:, pair] for pair in pairs])
+    own = np.concatenate([texture[:, pair] for pair in pairs])
+    corners = np.concatenate([mesh.faces[:, pair] for pair in pairs])
+    swap = ends[:, 0] > ends[:, 1]
+    ends[swap], own[swap] = ends[swap, ::-1], own[swap, ::-1]
+    _, first, edge, uses = np.unique(ends, axis=0, return_index=True, return_inverse=True, return_counts=True)
+    edge = edge.reshape(-1)
+    same = np.ones(len(first), bool)
+    np.logical_and.at(same, edge, (own == own[first][edge]).all(axis=1))
+    cut = first[~same & (uses > 1)]
+    points = mesh.positions.astype(np.float64)[corners[cut]]
+    return float(np.linalg.norm(points[:, 0] - points[:, 1], axis=1).sum())
+
+
+def heat_map(
+    mesh: Mesh, size: SupportsIndex | Sequence[SupportsIndex] = 512, *, measure: str = "area"
+) -> NDArray[np.uint8]:
+    """Draw a measure over texture space: blue for small, white for 1, red for large.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        With uv.
+    size : int or (int, int)
+        Width and height of the picture.
+    measure : str
+        ``"area"`` (colours end at a quarter and at 4) or ``"angle"`` (white at 1, red at 4).
+
+    Returns
+    -------
+    array, shape (H, W, 3), uint8
+        Black where no face is.
+    """
+    if measure not in ("area", "angle"):
+        raise ValueError(f"measure: got {measure!r}, expected 'area' or 'angle'")
+    if mesh.uv is None:
+        raise ValueError("mesh: got a mesh without uv, expected one with uv")
+    found = metrics(mesh, size)
+    value = found.area_stretch if measure == "area" else found.angle_stretch
+    heat = np.clip(np.nan_to_num(np.log2(value)) / 2.0, -1.0, 1.0)
+    colors = np.stack([1.0 + np.minimum(heat, 0.0), 1.0 - np.abs(heat), 1.0 - np.maximum(heat, 0.0)], axis=1)
+    clip = np.zeros((len(mesh.uv), 4))
+    clip[:, 0], clip[:, 1], clip[:, 3] = 2.0 * mesh.uv[:, 0] - 1.0, 1.0 - 2.0 * mesh.uv[:, 1], 1.0
+    triangle = rasterize(
+        clip, mesh.faces, image_size(size if isinstance(size, Sequence) else (size, size))
+    ).triangle
+    picture = np.where((triangle >= 0)[..., None], np.round(255.0 * colors)[triangle], 0.0)
+    return picture.astype(np.uint8)
+
+
+def checkerboard(
+    mesh: Mesh, size: SupportsIndex | Sequence[SupportsIndex] = 512, *, cells: SupportsIndex = 32
+) -> NDArray[np.uint8]:
+    """Draw the mesh with a checkerboard of ``cells`` x ``cells`` over its texture, lit from the eye.
+
+    Even squares of one size are what a good unwrapping shows.
+
+    Returns
+    -------
+    array, shape (H, W, 3), uint8
+    """
+    if mesh.uv is None:
+        raise ValueError("mesh: got a mesh without uv, expected one with uv")
+    wide = image_size(size if isinstance(size, Sequence) else (size, size))
+    camera = Scene(mesh).camera("auto")
+    fragments = rasterize(camera.project(mesh.positions, wide), mesh.faces, wide)
+    uv, jacobian = fragments.interpolate(mesh.uv, derivatives=True)
+    normal = fragments.interpolate(mesh.normals)
+    towards = camera.eye - fragments.interpolate(mesh.positions)
+    lit = (normal * towards).sum(-1) / np.maximum(
+        np.linalg.norm(normal, axis=-1) * np.linalg.norm(towards, axis=-1), 1e-30
+    )
+    value = _checkerboard(uv, cells=count("cells", cells), jacobian=jacobian)
+    shade = (0.35 + 0.65 * np.clip(lit, 0.0, 1.0)) * (0.25 + 0.7 * value.reshape(lit.shape))
+    picture = np.where(fragments.triangle >= 0, shade, 1.0)
+    return np.repeat(np.round(255.0 * picture).astype(np.uint8)[..., None], 3, axis=-1)
