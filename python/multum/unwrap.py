@@ -24,6 +24,8 @@ from .mapping import checkerboard as _checkerboard
 __all__ = ["Metrics", "checkerboard", "flatten", "heat_map", "metrics", "unwrap"]
 
 _METHODS = ("xatlas", "lscm", "arap")
+# Packings that are tried: each halves how far the scale may be from the largest.
+_TRIES = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,8 +117,8 @@ def _atlas(
     mesh: Mesh, side: int, gap: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
     xatlas = needed("xatlas", "xatlas", "Mesh.unwrap")
-    resolution = side
-    for _ in range(8):
+
+    def packed(resolution: int) -> Any:
         atlas = xatlas.Atlas()
         atlas.add_mesh(mesh.positions, mesh.faces, mesh.normals)
         options = xatlas.PackOptions()
@@ -124,12 +126,19 @@ def _atlas(
         # Its turns by a right angle swap the axes, which mirrors a chart.
         options.rotate_charts = False
         atlas.generate(pack_options=options)
-        largest = max(atlas.width, atlas.height)
-        if atlas.atlas_count == 1 and 0 < largest <= side:
-            break
-        # The resolution is a wish to xatlas, not a limit: ask for less until the charts fit with their gaps.
-        resolution = max(1, int(resolution * min(0.95, side / max(largest, 1))))
-    else:
+        fits = atlas.atlas_count == 1 and 0 < max(atlas.width, atlas.height) <= side
+        return atlas if fits else None
+
+    # The resolution is a wish to xatlas, not a limit: halve the interval around the largest that fits.
+    atlas, least, most = None, 1, 2 * side
+    for _ in range(_TRIES):
+        middle = (least + most) // 2
+        found = packed(middle)
+        if found is None:
+            most = middle
+        else:
+            atlas, least = found, middle
+    if atlas is None:
         raise ValueError(
             f"size: got {side} with padding {gap}, where the charts do not fit; expected a larger map"
         )

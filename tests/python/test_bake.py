@@ -5,6 +5,7 @@ import json
 import math
 import os
 import pathlib
+import re
 import warnings
 from typing import Any
 
@@ -224,6 +225,27 @@ def test_asteroid_against_the_maps_that_ship_with_it() -> None:
         cosine = ((2.0 * np.asarray(ours) - 1.0) * theirs).sum(-1)[both]
         assert cosine.mean() > least
         assert np.percentile(cosine, 1) > 0.97
+
+
+def test_the_page_about_baking_runs(
+    tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = (pathlib.Path(__file__).parents[2] / "docs" / "bake.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    mesh = ball(100, 0.02)
+    lines = [f"v {x} {y} {z}" for x, y, z in mesh.positions.tolist()]
+    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in mesh.faces.tolist()]
+    (tmp_path / "high.obj").write_text("\n".join(lines))
+    (block,) = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    exec(compile(block, "bake.md", "exec"), {})
+    assert "missed=0" in capsys.readouterr().out
+    (command,) = re.findall(r"^multum (bake .*)$", page, re.MULTILINE)
+    assert main(command.replace("1024", "256").split()) == 0
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "high.gltf",
+        "high.bin",
+        "high_normal.png",
+    }
 
 
 def test_one_command_from_a_detailed_mesh_to_a_gltf(
