@@ -35,7 +35,8 @@
 //!
 //! # Features
 //!
-//! `rayon` (default): threads. `image` (default): image files. `mesh`: glTF and OBJ. `python`: the bindings; no
+//! `rayon` (default): threads. `image` (default): image files. `mesh` (default): glTF and OBJ. `bake` (default):
+//! maps from one mesh to another. `python`: the bindings; no
 //! other build needs Python.
 
 mod error;

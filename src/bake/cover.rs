@@ -149,10 +149,12 @@ impl Chart {
             };
             for y in span(1, y0, y1) {
                 for x in span(0, x0, x1) {
-                    if !touches(&corners, [x as f64, y as f64]) {
+                    let texel = (y - y0) * width + x - x0;
+                    // Nothing more to learn where every point is taken, and shared: heaps of faces stay cheap.
+                    let settled = pieces[texel].overlapping && pieces[texel].samples.len() == n * n;
+                    if settled || !touches(&corners, [x as f64, y as f64]) {
                         continue;
                     }
-                    let texel = (y - y0) * width + x - x0;
                     touching[texel] = touching[texel].min(face);
                     for (k, owner) in owners[texel * n * n..][..n * n].iter_mut().enumerate() {
                         let p = self.sample([x, y], k);

@@ -11,9 +11,10 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::{Boundable, BvhBuildParams};
+use std::collections::HashSet;
 use std::time::Duration;
 
-/// Growth of boxes, in sides of the unit cube: 16 times the rounding of the box test.
+/// Least growth of boxes, in sides of the unit cube: 16 times the rounding of the box test.
 const PAD: f32 = 4e-6;
 
 /// Nodes still to be visited; kept between queries.
@@ -51,7 +52,8 @@ fn wide(p: [f32; 3]) -> DVec3 {
 }
 
 impl Tree {
-    /// A tree over the faces that have an area; positions are finite.
+    /// A tree over the faces that have an area; positions are finite. Of several faces with the same corners in
+    /// the same order the first is kept.
     pub fn new(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Self {
         let used = || faces.iter().flatten().map(|&v| wide(positions[v as usize]));
         let low = used().fold(DVec3::INFINITY, DVec3::min);
@@ -63,21 +65,25 @@ impl Tree {
             (DVec3::ZERO, 1.0)
         };
         let unit = |v: u32| (scale * (wide(positions[v as usize]) - centre)).as_vec3().to_array();
+        // Of faces at the same place the first is enough.
+        let mut seen = HashSet::with_capacity(faces.len());
         let mut order = Vec::with_capacity(faces.len());
         let mut corners = Vec::with_capacity(faces.len());
         for (i, face) in faces.iter().enumerate() {
             let p = face.map(unit);
             let [a, b, c] = p.map(wide);
-            if (b - a).cross(c - a) != DVec3::ZERO {
+            if (b - a).cross(c - a) != DVec3::ZERO && seen.insert(p.map(|q| q.map(f32::to_bits))) {
                 order.push(i as u32);
                 corners.push(p);
             }
         }
         let boxes: Vec<_> = corners
             .iter()
-            .map(|p| {
+            .enumerate()
+            .map(|(i, p)| {
                 let points = p.map(Vec3A::from_array);
-                let pad = Vec3A::splat(PAD);
+                // Equal boxes make the builder's time quadratic; growing each a little differently parts them.
+                let pad = Vec3A::splat(PAD * (1.0 + (i as f64 * 0.618_033_988_749_894_9).fract() as f32));
                 Bounded(Aabb::new(
                     points[0].min(points[1]).min(points[2]) - pad,
                     points[0].max(points[1]).max(points[2]) + pad,

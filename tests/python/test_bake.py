@@ -1,6 +1,7 @@
 """Baking from Python: arrays, reports, warnings, real data, the road from a file to a glTF."""
 
 import doctest
+import io
 import json
 import math
 import os
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 import multum as mt
 from multum.cli import main
+from multum.cli.progress import Progress
 
 QUAD = ([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
 QUAD_UV = [[0, 1], [1, 1], [1, 0], [0, 0]]
@@ -179,6 +181,17 @@ def test_threads_and_progress() -> None:
 
     with pytest.raises(KeyboardInterrupt):
         mt.bake.normal_map(high, low, 256, progress=stop)
+
+
+def test_a_bar_fills_within_a_step() -> None:
+    progress = Progress(2, io.StringIO())
+    progress.step("baking")
+    progress.share(0.5)
+    # A new stage of the same step begins at 0, and the bar stays.
+    progress.share(0.1)
+    assert progress.line().startswith("[######..................] 0/2 baking (")
+    progress.step("writing")
+    assert progress.line().startswith("[############............] 1/2 writing (")
 
 
 def test_colour_of_a_file_with_a_texture(tmp_path: pathlib.Path) -> None:

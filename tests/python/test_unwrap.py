@@ -182,6 +182,20 @@ def test_simplifying_keeps_the_shape() -> None:
     assert len(high.simplify(1.0).faces) == len(high.faces)
 
 
+def test_simplifying_heals_cracks_of_rounding() -> None:
+    whole = ball(20)
+    # Each face has corners of its own, a ten-millionth apart.
+    corners = whole.positions[whole.faces].reshape(-1, 3)
+    rng = np.random.default_rng(2)
+    torn = mt.Mesh.build(
+        corners + rng.uniform(-1e-7, 1e-7, corners.shape), np.arange(len(corners)).reshape(-1, 3)
+    )
+    low = torn.simplify(0.2)
+    used = np.unique(low.positions, axis=0)
+    # A closed surface has half as many vertices as faces, and two.
+    assert len(used) == len(low.faces) // 2 + 2
+
+
 def test_simplifying_keeps_the_edges_of_charts() -> None:
     high = ball(24).unwrap(256)
     low = high.simplify(0.5)

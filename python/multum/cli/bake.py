@@ -96,9 +96,10 @@ def run(options: argparse.Namespace) -> None:
             progress.step(f"baking {kind}")
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always", bake.BakeWarning)
-                maps[kind] = _bake(kind, high, low, options, "uint16" if options.depth == "16" else "uint8")
+                depth = "uint16" if options.depth == "16" else "uint8"
+                maps[kind] = _bake(kind, high, low, options, depth, progress)
                 if options.exr:
-                    floats = _bake(kind, high, low, options, "float32")
+                    floats = _bake(kind, high, low, options, "float32", progress)
                     path = folder / f"{stem}_{kind}.exr"
                     # EXR files hold three channels here.
                     three = floats if floats.ndim == 3 else np.repeat(floats[..., None], 3, axis=2)
@@ -125,13 +126,16 @@ def run(options: argparse.Namespace) -> None:
         print(f"warning: {text}")
 
 
-def _bake(kind: str, high: Mesh, low: Mesh, options: argparse.Namespace, dtype: str) -> bake.Map:
+def _bake(
+    kind: str, high: Mesh, low: Mesh, options: argparse.Namespace, dtype: str, progress: Progress
+) -> bake.Map:
     keywords: dict[str, Any] = {
         "samples": options.samples,
         "method": options.method,
         "distance": options.distance,
         "threads": options.threads,
         "dtype": dtype,
+        "progress": progress.share,
     }
     if kind == "normal":
         return bake.normal_map(high, low, options.size, **keywords)

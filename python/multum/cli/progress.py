@@ -19,7 +19,7 @@ class Progress:
     def __init__(self, steps: int, stream: TextIO | None = None) -> None:
         """Count to ``steps``; standard error is the default stream."""
         self._stream = sys.stderr if stream is None else stream
-        self._steps, self._done, self._name = steps, 0, ""
+        self._steps, self._done, self._name, self._share = steps, 0, "", 0.0
         self._start = time.monotonic()
         self._end = threading.Event()
         self._lock = threading.Lock()
@@ -44,13 +44,18 @@ class Progress:
         """The work before is done; ``name`` begins."""
         with self._lock:
             self._done += bool(self._name)
-            self._name = name
+            self._name, self._share = name, 0.0
+
+    def share(self, done: float) -> None:
+        """So much of the step that is under way is done, from 0 to 1."""
+        with self._lock:
+            self._share = max(self._share, min(done, 1.0))
 
     def line(self) -> str:
         """What the terminal shows now."""
         with self._lock:
-            done, name = self._done, self._name
-        filled = _WIDTH * done // max(self._steps, 1)
+            done, name, share = self._done, self._name, self._share
+        filled = min(_WIDTH, int(_WIDTH * (done + share) / max(self._steps, 1)))
         bar = "#" * filled + "." * (_WIDTH - filled)
         return f"[{bar}] {done}/{self._steps} {name} ({time.monotonic() - self._start:.1f} s)"
 
