@@ -54,14 +54,16 @@ impl Position for f64 {
 /// Positions of a part of an output row.
 #[inline(always)]
 fn on_row<H: Position>(m: &[H; 9], first: usize, y: usize, xs: &mut [H], ys: &mut [H]) {
-    let number = |i: usize| H::of(i as f64);
-    let y = number(y);
-    let is_affine = [6, 7].iter().all(|&i| m[i] == H::default()) && m[8] == H::of(1.0);
-    for (i, (px, py)) in xs.iter_mut().zip(ys).enumerate() {
-        let x = number(first + i);
+    let y = H::of(y as f64);
+    // Whole numbers below 2^32 become doubles in one step.
+    let column = |i: usize| H::of(f64::from((first + i) as u32));
+    for (i, (px, py)) in xs.iter_mut().zip(&mut *ys).enumerate() {
+        let x = column(i);
         (*px, *py) = (m[0] * x + m[1] * y + m[2], m[3] * x + m[4] * y + m[5]);
-        if !is_affine {
-            let w = m[6] * x + m[7] * y + m[8];
+    }
+    if m[6] != H::default() || m[7] != H::default() || m[8] != H::of(1.0) {
+        for (i, (px, py)) in xs.iter_mut().zip(ys).enumerate() {
+            let w = m[6] * column(i) + m[7] * y + m[8];
             (*px, *py) = (*px / w, *py / w);
         }
     }
@@ -125,26 +127,26 @@ pub fn linear<S: Scaled<H>, H: Position, O: Real>(
         Where::Planes(..) => [H::default(); 9],
     };
     in_bands(out, width, channels, |start, out_row| {
-        compiled_for(isa, || {
-            let (mut xs, mut ys) = ([H::default(); CHUNK], [H::default(); CHUNK]);
-            let mut buffer = Buffer::new();
-            for (k, out) in out_row.chunks_mut(CHUNK * channels).enumerate() {
-                let n = out.len() / channels;
-                let (xs, ys) = (&mut xs[..n], &mut ys[..n]);
-                match places {
-                    Where::Matrix(_) => on_row(&matrix, k * CHUNK, start / width, xs, ys),
-                    Where::Planes(px, py) => {
-                        let at = start + k * CHUNK;
-                        for (to, from) in [(&mut *xs, px), (&mut *ys, py)] {
-                            for (to, &from) in to.iter_mut().zip(&from[at..at + n]) {
-                                *to = H::of(from);
-                            }
+        let (mut xs, mut ys) = ([H::default(); CHUNK], [H::default(); CHUNK]);
+        let mut buffer = Buffer::new();
+        for (k, out) in out_row.chunks_mut(CHUNK * channels).enumerate() {
+            let n = out.len() / channels;
+            let (xs, ys) = (&mut xs[..n], &mut ys[..n]);
+            match places {
+                Where::Matrix(_) => {
+                    compiled_for(isa, || on_row(&matrix, k * CHUNK, start / width, &mut *xs, &mut *ys));
+                }
+                Where::Planes(px, py) => {
+                    let at = start + k * CHUNK;
+                    for (to, from) in [(&mut *xs, px), (&mut *ys, py)] {
+                        for (to, &from) in to.iter_mut().zip(&from[at..at + n]) {
+                            *to = H::of(from);
                         }
                     }
                 }
-                lerp.run(&H::split(&mut buffer, isa, xs, ys), out);
             }
-        });
+            lerp.run(isa, &H::split(&mut buffer, isa, xs, ys), out);
+        }
     })
 }
 

@@ -60,9 +60,8 @@ def as_floats(image: Array, preserve_range: bool) -> Floats:
     image = np.asarray(image)
     kind, size = image.dtype.kind, image.dtype.itemsize
     if kind == "f":
-        return Floats(
-            plain(image.astype(np.float32 if size == 2 else image.dtype if size in (4, 8) else float)), 1.0
-        )
+        number = np.float32 if size == 2 else image.dtype if size in (4, 8) else np.float64
+        return Floats(plain(image.astype(number, copy=False)), 1.0)
     if preserve_range:
         return Floats(plain(image if kind == "u" and size <= 2 else image.astype(float)), 1.0)
     if kind == "b":

@@ -11,30 +11,54 @@
 //! border, does not count. Nearest is `floor(x + 1/2)`, after a position beyond the picture has been brought inside.
 
 use super::{Edge, NOWHERE, Real, Source, Split};
+use crate::kernel::Isa;
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
 
 /// An element that becomes a number by a factor, which only integers use.
-pub trait Scaled<H>: Copy + Send + Sync {
+pub trait Scaled<H: Real>: Copy + Send + Sync {
     /// The number.
     fn scaled(self, factor: H) -> H;
+    /// Does a run of three or four channels with vectors of `isa`; `false` where there is no such kernel.
+    fn vector<O: Real>(isa: Isa, lerp: &Lerp<'_, Self, H, O>, split: &Split<'_, H>, out: &mut [O]) -> bool;
 }
 
 macro_rules! scaled {
-    ($($from:ty => $to:ty, |$v:ident, $factor:ident| $body:expr;)*) => {
+    ($($from:ty => $to:ty, $kernel:ident, |$v:ident, $factor:ident| $body:expr;)*) => {
         $(impl Scaled<$to> for $from {
             #[inline(always)]
             fn scaled(self, $factor: $to) -> $to {
                 let $v = self;
                 $body
             }
+
+            #[cfg_attr(not(target_arch = "x86_64"), expect(unused_variables, reason = "no vectors"))]
+            fn vector<O: Real>(
+                isa: Isa,
+                lerp: &Lerp<'_, Self, $to, O>,
+                split: &Split<'_, $to>,
+                out: &mut [O],
+            ) -> bool {
+                match isa {
+                    #[cfg(target_arch = "x86_64")]
+                    Isa::Avx2 | Isa::Avx512 if isa.is_supported() => {
+                        // SAFETY: the machine has AVX2.
+                        unsafe { avx2::$kernel(lerp, split, out) };
+                        true
+                    }
+                    _ => false,
+                }
+            }
         })*
     };
 }
 scaled! {
-    u8 => f64, |v, factor| f64::from(v) * factor;
-    u16 => f64, |v, factor| f64::from(v) * factor;
-    f64 => f64, |v, _factor| v;
-    f32 => f64, |v, _factor| f64::from(v);
-    f32 => f32, |v, _factor| v;
+    u8 => f64, wide, |v, factor| f64::from(v) * factor;
+    u16 => f64, wide, |v, factor| f64::from(v) * factor;
+    f64 => f64, wide, |v, _factor| v;
+    f32 => f64, wide, |v, _factor| f64::from(v);
+    f32 => f32, single, |v, _factor| v;
 }
 
 /// Linear interpolation of a picture of `S`, along rows in `H`, with results in `O`.
@@ -56,9 +80,9 @@ pub struct Lerp<'a, S, H, O> {
 
 impl<S: Scaled<H>, H: Real, O: Real> Lerp<'_, S, H, O> {
     /// Fills a run of packed pixels; lengths that do not fit end the run early.
-    #[inline(always)]
-    pub fn run(&self, split: &Split<'_, H>, out: &mut [O]) {
+    pub fn run(&self, isa: Isa, split: &Split<'_, H>, out: &mut [O]) {
         match self.source.channels {
+            3 | 4 if S::vector(isa, self, split, out) => {}
             1 => self.counted::<1, 1>(split, out),
             2 => self.counted::<2, 2>(split, out),
             3 => self.counted::<3, 4>(split, out),
@@ -223,7 +247,6 @@ fn folded(x: f64, n: f64, edge: Edge) -> f64 {
 mod tests {
     use super::super::{Buffer, CHUNK, Grid};
     use super::*;
-    use crate::kernel::{Isa, compiled_for};
 
     const EDGES: [Edge; 5] = [Edge::Border, Edge::Clamp, Edge::Repeat, Edge::Mirror, Edge::Mirror101];
 
@@ -263,7 +286,7 @@ mod tests {
                     let mut buffer = Buffer::<f64>::new();
                     let split = buffer.split_f64(isa, Grid::Exact, &xs, &ys);
                     let mut got = vec![0f64; CHUNK * channels];
-                    compiled_for(isa, || lerp.run(&split, &mut got));
+                    lerp.run(isa, &split, &mut got);
                     assert!(
                         got.iter().zip(&want).all(|(a, b)| a.to_bits() == b.to_bits()),
                         "{isa:?} {edge:?}"
@@ -271,6 +294,38 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn elements_of_every_type_give_equal_bytes() {
+        fn check<S: Scaled<H>, H: Real, O: Real>(make: impl Fn(usize) -> S, factor: f64) {
+            let bits = |out: &[O]| out.iter().map(|v| v.wide().to_bits()).collect::<Vec<_>>();
+            for channels in 1..=5 {
+                let data: Vec<S> = (0..9 * 6 * channels).map(&make).collect();
+                let source = Source::new(&data, 9, 6, channels, 9 * channels).unwrap();
+                let (edges, border, nowhere) = ([Edge::Mirror; 2], H::of(0.5), O::of(0.25));
+                let lerp =
+                    Lerp { source, edges, factor: H::of(factor), border, nowhere, limits: [0.01, 0.97] };
+                let x: Vec<i32> = (0..200).map(|i| i * 7 % 12 - 2).collect();
+                let y: Vec<i32> = (0..200).map(|i| i * 5 % 9 - 1).collect();
+                let [fx, fy] = [3, 11]
+                    .map(|k| (0..200).map(|i| H::of(f64::from(i * k % 17) / 17.0)).collect::<Vec<_>>());
+                let split = Split { x: &x, y: &y, fx: &fx, fy: &fy };
+                let outs = Isa::available().into_iter().map(|isa| {
+                    let mut out = vec![O::default(); 200 * channels];
+                    lerp.run(isa, &split, &mut out);
+                    bits(&out)
+                });
+                let outs: Vec<_> = outs.collect();
+                assert!(outs.windows(2).all(|pair| pair[0] == pair[1]), "{channels} channels");
+            }
+        }
+        let number = |i: usize| (i * 7919 % 1013) as f64 / 1013.0;
+        check::<u8, f64, f64>(|i| (i * 37 % 256) as u8, 1.0 / 255.0);
+        check::<u16, f64, f64>(|i| (i * 7919 % 65_536) as u16, 1.0 / 65_535.0);
+        check::<f64, f64, f64>(|i| if i % 41 == 5 { f64::NAN } else { number(i) }, 1.0);
+        check::<f32, f64, f32>(|i| number(i) as f32, 1.0);
+        check::<f32, f32, f32>(|i| if i % 41 == 5 { f32::NAN } else { number(i) as f32 }, 1.0);
     }
 
     #[test]
@@ -289,7 +344,7 @@ mod tests {
         let split =
             buffer.split_f32(Isa::Scalar, Grid::Exact, &[0.0, 0.0, f32::NAN, -3.0], &[0.0, 0.5, 0.0, 0.0]);
         let mut got = [0.0f32; 4];
-        lerp.run(&split, &mut got);
+        lerp.run(Isa::Scalar, &split, &mut got);
         assert_eq!(got, [1.0, 2.0, 5.0, 9.0]);
     }
 
