@@ -20,13 +20,13 @@
 //! [`LONGEST`] widths are widened. Error: `docs/filters.md`.
 
 use super::exact::mean_on_level;
-use super::rows::{Slabs, lifted};
-use super::sum::{Placed, placed, rows_mean};
+use super::rows::{Slabs, Weights, lifted};
+use super::sum::{Placed, Sum, placed, rows_mean};
 use super::{Query, Reader, bilinear, lerp4};
 use crate::kernel::window::{self, Soft, Spans, Strip};
 use crate::lod;
-use crate::num::{Real, log2};
-use crate::texel::Texel;
+use crate::num::{Real, ceil, floor, log2};
+use crate::texel::{DType, Texel};
 use crate::texture::Decode;
 
 /// Texels in the smaller height, on the finest level that is read for it.
@@ -100,7 +100,11 @@ fn hard<T: Texel, D: Decode<T>>(
 ) -> [T::Real; 4] {
     let [[a, b], [c, d]] = place.jacobian.m;
     let extent = [0.5 * (a.abs() + b.abs()) + 1.0, 0.5 * (c.abs() + d.abs()) + 1.0];
-    if height.is_nan() || height < THIN || 2.0 * extent[0].max(extent[1]) > (window::LONGEST - 4) as f64 {
+    if T::DTYPE == DType::F64
+        || height.is_nan()
+        || height < THIN
+        || 2.0 * extent[0].max(extent[1]) > (window::LONGEST - 4) as f64
+    {
         return mean_on_level(r, level, query);
     }
     let centre = [place.near(0, extent[0]), place.near(1, extent[1])];
@@ -125,5 +129,30 @@ fn soft<T: Texel, D: Decode<T>>(
         [0.5 * (a.abs() * grow[0] + b.abs() * grow[1]), 0.5 * (c.abs() * grow[0] + d.abs() * grow[1])];
     let centre = [place.near(0, extent[0]), place.near(1, extent[1])];
     let footprint = Soft { centre, strips, extent, softness };
+    if T::DTYPE == DType::F64 {
+        return soft_in_doubles(r, level, &footprint);
+    }
     rows_mean(r, level, centre, extent, |rows| window::soft(r.isa, &footprint, rows))
+}
+
+/// [`window::soft`] for textures whose results are doubles.
+fn soft_in_doubles<T: Texel, D: Decode<T>>(
+    r: &Reader<'_, T, D>,
+    level: usize,
+    footprint: &Soft,
+) -> [T::Real; 4] {
+    let ([cx, cy], height) = (footprint.centre, footprint.extent[1]);
+    let mut sum = Sum::new(r, level, footprint.centre);
+    let mut weights = Vec::new();
+    for row in ceil(cy - height)..=floor(cy + height) {
+        let dy = row as f64 - cy;
+        let [left, right] = footprint.row(dy);
+        let first = ceil(cx + left);
+        weights.clear();
+        weights.extend((first..=floor(cx + right)).map(|x| footprint.weight([x as f64 - cx, dy])));
+        if !weights.is_empty() {
+            sum.row(r, level, &Weights { row, first, weights: &weights, middle: 0..0 });
+        }
+    }
+    sum.mean()
 }

@@ -91,7 +91,9 @@ def steps(
     """How often `chart` calls ``tell`` with these arguments, for a progress bar."""
     views = len(SCENES if scenes is None else scenes)
     pictures = 1 if image is not None else len(TEXTURES if textures is None else textures)
-    return views * (1 + pictures * len(_contestants(methods, with_peers, 0.0, lambda text: None))) + 1
+    absent: list[str] = []
+    contestants = len(_contestants(methods, with_peers, 0.0, absent.append))
+    return len(absent) + views * (1 + pictures * contestants) + 1
 
 
 def _contestants(

@@ -63,11 +63,37 @@ fn weigh<L: Lanes>(p: L, half: L, sharpness: L, narrow: bool) -> L {
     if narrow { near.add(ramp(half.add(p).mul(sharpness))).sub(L::splat(1.0)) } else { near }
 }
 
+impl Soft {
+    /// Left and right end of a row, `dy` above the centre, relative to the centre: beyond them nothing has weight.
+    #[inline(always)]
+    pub fn row(&self, dy: f64) -> [f64; 2] {
+        let [a, b] = &self.strips;
+        let (a_middle, b_middle, width) = (a.drift * dy, b.drift * dy, self.extent[0]);
+        [
+            (a_middle - a.reach).max(b_middle - b.reach).max(-width),
+            (a_middle + a.reach).min(b_middle + b.reach).min(width),
+        ]
+    }
+
+    /// The weight, in double precision, of a texel at this place relative to the centre.
+    pub fn weight(&self, [dx, dy]: [f64; 2]) -> f64 {
+        let ramp = |z: f64| {
+            let c = (z / self.softness).clamp(-1.0, 1.0);
+            0.5 + c * (1.0 - 0.5 * c.abs())
+        };
+        let weights = self.strips.map(|s| {
+            let p = (s.normal[0] * dx + s.normal[1] * dy).abs();
+            ramp(s.half - p) + ramp(s.half + p) - 1.0
+        });
+        weights[0] * weights[1]
+    }
+}
+
 impl Mean for Soft {
     #[inline(always)]
     fn over<L: Lanes, S: Source>(&self, mut source: S) -> [f32; 4] {
         let [cx, cy] = self.centre;
-        let [width, height] = self.extent;
+        let height = self.extent[1];
         let strips = &self.strips;
         let steps = L::load(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
         let sharpness = L::splat((1.0 / self.softness) as f32);
@@ -81,9 +107,7 @@ impl Mean for Soft {
         let (mut row, last) = (ceil(cy - height), floor(cy + height));
         while row <= last {
             let dy = row as f64 - cy;
-            let middle = [strips[0].drift * dy, strips[1].drift * dy];
-            let left = (middle[0] - strips[0].reach).max(middle[1] - strips[1].reach).max(-width);
-            let right = (middle[0] + strips[0].reach).min(middle[1] + strips[1].reach).min(width);
+            let [left, right] = self.row(dy);
             let (mut x, end) = (ceil(cx + left), floor(cx + right));
             while x <= end {
                 let dx = x as f64 - cx;
