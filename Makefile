@@ -41,7 +41,7 @@ lint: $(VENV)/.test
 
 rust-test:
 	@echo "== Rust tests, examples and doc tests (random cases from a fixed seed; without it: cargo test)"
-	PROPTEST_RNG_SEED=20 cargo test
+	PROPTEST_RNG_SEED=20 cargo test --features simplify
 
 python-test: $(VENV)/.test
 	@echo "== Python tests"

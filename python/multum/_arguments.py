@@ -109,3 +109,25 @@ def size_pair(
 def image_size(value: Sequence[SupportsIndex]) -> tuple[int, int]:
     """The argument ``size``: width and height."""
     return size_pair("size", value, "(width, height)")
+
+
+def finite_matrix(argument: str, value: ArrayLike, shapes: Sequence[tuple[int, int]]) -> NDArray[np.float64]:
+    """Finite numbers of one of the shapes."""
+    expected = f"finite numbers of shape {' or '.join(map(str, shapes))}"
+    try:
+        matrix = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise TypeError(f"{argument}: got {value!r}, expected {expected}") from None
+    if matrix.shape not in shapes or not np.isfinite(matrix).all():
+        got = f"shape {matrix.shape}" if matrix.shape not in shapes else "a number that is not finite"
+        raise ValueError(f"{argument}: got {got}, expected {expected}")
+    return matrix
+
+
+def side_or_size(value: SupportsIndex | Sequence[SupportsIndex]) -> tuple[int, int]:
+    """The argument ``size`` where one number stands for both sides."""
+    if isinstance(value, np.ndarray):
+        return image_size(value.tolist())
+    if isinstance(value, Sequence):
+        return image_size(value)
+    return image_size((value, value))

@@ -8,6 +8,7 @@ import struct
 import tempfile
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +38,7 @@ def save(mesh: Mesh, path: str | os.PathLike[str]) -> None:
     if writer.binary:
         _write(file, _container(document, bytes(writer.data)))
         return
-    document["buffers"][0]["uri"] = f"{file.stem}.bin"
+    document["buffers"][0]["uri"] = quote(f"{file.stem}.bin")
     for name, data in writer.files.items():
         _write(file.parent / name, data)
     _write(file.parent / f"{file.stem}.bin", bytes(writer.data))
@@ -175,7 +176,7 @@ class _Writer:
         if name in self.files:
             name = f"{self.stem}_{index}{kind[1]}"
         self.files[name] = data
-        return {"uri": name, "mimeType": kind[0]}
+        return {"uri": quote(name), "mimeType": kind[0]}
 
     def _texture(self, slot: TextureSlot) -> dict[str, Any]:
         sampler: dict[str, Any] = {}

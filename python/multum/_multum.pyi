@@ -321,8 +321,12 @@ def cast_rays(
     threads: int | None,
 ) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]: ...
 def closest_points(
-    positions: ArrayLike, faces: ArrayLike, points: ArrayLike
+    positions: ArrayLike, faces: ArrayLike, points: ArrayLike, threads: int | None
 ) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]: ...
+def uv_layout(
+    uv: ArrayLike, faces: ArrayLike, size: tuple[int, int], samples: int
+) -> tuple[int, int, NDArray[np.uint32]]: ...
+def simplify_mesh(mesh: object, ratio: float) -> dict[str, Any]: ...
 
 @final
 class Baked:

@@ -1,15 +1,13 @@
-"""What meshes made from a mesh keep of it."""
+"""What unwrapping needs: optional packages, and how faces hang together."""
 
 from __future__ import annotations
 
-import dataclasses
 import importlib
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _multum
 from ._mesh import Mesh
 
 
@@ -20,47 +18,6 @@ def needed(module: str, package: str, what: str) -> Any:
     except ImportError:
         text = f"{what} needs the package {package}: pip install 'multum[bake]'"
         raise ImportError(text) from None
-
-
-def closest(
-    mesh: Mesh, points: NDArray[Any]
-) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]:
-    """Face, distance and corner weights of the point of the mesh closest to each point."""
-    return _multum.closest_points(mesh.positions, mesh.faces, points)
-
-
-def carried(mesh: Mesh, points: NDArray[np.float32], faces: NDArray[np.int64]) -> Mesh:
-    """A mesh of new points and faces with the materials, uv and colours that a mesh has closest to them.
-
-    Pieces of the new mesh that hang together are on one chart of the old one: the chart closest to most of
-    their faces. So a vertex on a cut finds the uv of its own side.
-    """
-    near = closest(mesh, points[faces].mean(axis=1))[0]
-    uv = None if mesh.uv is None else np.zeros((len(points), 2), np.float32)
-    colors = None if mesh.colors is None else np.zeros((len(points), 4), np.float32)
-    charts = components(uv_faces(mesh), mesh.faces.shape[0])
-    pieces = components(faces, len(faces))
-    chart_of_piece = np.zeros(len(faces), np.int64)
-    for piece in np.unique(pieces):
-        chart_of_piece[piece] = np.bincount(charts[near[pieces == piece]]).argmax()
-    chart_of_face = chart_of_piece[pieces]
-    for chart in np.unique(chart_of_face):
-        old = np.flatnonzero(charts == chart)
-        new = np.unique(faces[chart_of_face == chart])
-        part = dataclasses.replace(mesh, faces=mesh.faces[old], face_material=mesh.face_material[old])
-        at, _, weights = closest(part, points[new])
-        for target, values in ((uv, mesh.uv), (colors, mesh.colors)):
-            if target is not None and values is not None:
-                target[new] = np.einsum("vc,vck->vk", weights, values[part.faces[at]])
-    made = Mesh.build(points, faces, uv=uv)
-    source = sources(made, faces)
-    return dataclasses.replace(
-        made,
-        colors=None if colors is None else colors[source],
-        face_material=mesh.face_material[near],
-        materials=mesh.materials,
-        images=mesh.images,
-    )
 
 
 def sources(made: Mesh, faces: NDArray[Any]) -> NDArray[np.int64]:

@@ -40,7 +40,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _multum
-from ._arguments import count, image_size, name, number
+from ._arguments import count, name, number, side_or_size
 from ._mesh import Mesh
 
 if TYPE_CHECKING:
@@ -57,6 +57,7 @@ __all__ = [
     "Options",
     "Report",
     "ambient_occlusion",
+    "closest",
     "color",
     "curvature",
     "height",
@@ -352,9 +353,9 @@ def color(
     OSError
         When a texture of the high mesh is missing or damaged.
     """
-    if encoding not in ("srgb", "linear"):
+    if name("encoding", encoding) not in ("srgb", "linear"):
         raise ValueError(f"encoding: got {encoding!r}, expected 'srgb' or 'linear'")
-    _check_mesh("high", high)
+    check_mesh("high", high)
     paints = []
     for material in high.materials:
         slot = material.base_color_texture
@@ -400,14 +401,68 @@ def intersect(
     >>> int(face), float(distance), weights.tolist()
     (0, 3.0, [0.5, 0.25, 0.25])
     """
-    _check_mesh("mesh", mesh)
-    rays = np.broadcast_arrays(np.asarray(origins, np.float64), np.asarray(directions, np.float64))
-    return _multum.cast_rays(mesh.positions, mesh.faces, rays[0], rays[1], count("threads", threads))
+    check_mesh("mesh", mesh)
+    starts, ways = np.asarray(origins), np.asarray(directions)
+    try:
+        starts, ways = np.broadcast_arrays(starts, ways)
+    except ValueError:
+        raise ValueError(
+            f"directions: got shape {ways.shape}, expected that of origins, {starts.shape}, or one that broadcasts"
+        ) from None
+    return _multum.cast_rays(mesh.positions, mesh.faces, starts, ways, count("threads", threads))
 
 
-def _check_mesh(argument: str, mesh: object) -> None:
+def closest(
+    mesh: Mesh, points: ArrayLike, *, threads: SupportsIndex | None = None
+) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]:
+    """Find the place of the mesh that is closest to each point; of equal ones that of the lowest face.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    points : array, shape (..., 3)
+    threads : int, optional
+        Threads to use; the result does not depend on it.
+
+    Returns
+    -------
+    face : array (...), int32
+        -1 for a mesh without a face that has an area.
+    distance : array (...), float64
+        In the mesh's unit.
+    barycentric : array (..., 3), float64
+        Weights of the face's corners.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For another shape, or numbers that are not finite.
+
+    Examples
+    --------
+    >>> import multum as mt
+    >>> triangle = mt.Mesh.build([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> face, distance, weights = mt.bake.closest(triangle, [-3, 0.5, 4])
+    >>> int(face), float(distance), weights.tolist()
+    (0, 5.0, [0.5, 0.0, 0.5])
+    """
+    check_mesh("mesh", mesh)
+    return _multum.closest_points(mesh.positions, mesh.faces, points, count("threads", threads))
+
+
+def check_mesh(argument: str, mesh: object) -> None:
+    """Refuse what is no mesh."""
     if not isinstance(mesh, Mesh):
         raise TypeError(f"{argument}: got {type(mesh).__name__}, expected a Mesh")
+
+
+def _range(value: object) -> tuple[float, float]:
+    """Two numbers."""
+    try:
+        first, last = (float(x) for x in value)  # type: ignore[attr-defined]
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(f"range: got {value!r}, expected two numbers") from None
+    return first, last
 
 
 def bake_quietly(
@@ -433,17 +488,21 @@ def bake_quietly(
     progress: Callable[[float], object] | None = None,
 ) -> tuple[Map, Report]:
     """Bake ``what`` without a warning."""
-    _check_mesh("high", high)
-    _check_mesh("low", low)
-    kind = np.dtype(dtype).name
+    check_mesh("high", high)
+    check_mesh("low", low)
+    try:
+        kind = np.dtype(dtype).name
+    except (TypeError, ValueError):
+        kind = repr(dtype)
     if kind not in ("uint8", "uint16", "float32"):
         raise TypeError(f"dtype: got {kind}, expected uint8, uint16 or float32")
+    ends = None if range is None else _range(range)
     if low.uv is None:
         raise ValueError("low: got a mesh without uv, expected one with uv; Mesh.unwrap makes them")
     baked = _multum.bake_map(
         high,
         low,
-        image_size(size if isinstance(size, Sequence) else (size, size)),
+        side_or_size(size),
         what,
         space,
         rays,
@@ -458,18 +517,15 @@ def bake_quietly(
         progress,
     )
     found = baked.range()
-    if ranged and range is None and kind != "float32" and found is not None:
+    if ranged and ends is None and kind != "float32" and found is not None:
         # A map of one number has no range of its own.
-        low_end, high_end = found
-        range = (low_end, high_end if high_end > low_end else low_end + 1.0)
-    if range is not None:
-        first, last = (float(x) for x in range)
-        range = (first, last)
+        first, last = found
+        ends = (first, last if last > first else first + 1.0)
     counts, told = baked.report()
-    codes = baked.image(kind, encoding, range)
+    codes = baked.image(kind, encoding, ends)
     result = codes.view(Map)
     result.report = Report(
-        **counts, range=range or found, warnings=tuple(told), coverage=baked.coverage(), flags=baked.flags()
+        **counts, range=ends or found, warnings=tuple(told), coverage=baked.coverage(), flags=baked.flags()
     )
     return result, result.report
 

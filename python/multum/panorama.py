@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _multum
-from ._arguments import count, size_pair
+from ._arguments import count, finite_matrix, name, number, size_pair
 from ._warp import Border, _options
 
 __all__ = ["convert"]
@@ -104,17 +104,17 @@ def convert(
     ((6, 8, 8), 200, 0)
     """
     pixels = np.asarray(image)
+    source, target = name("source", source), name("target", target)
     if source == "cube" and source_layout == "faces":
         if pixels.ndim not in (3, 4) or pixels.shape[0] != 6 or pixels.shape[1] != pixels.shape[2]:
             raise ValueError(f"image: got shape {pixels.shape}, expected six faces (6, n, n) or (6, n, n, C)")
         pixels = pixels.reshape(6 * pixels.shape[1], *pixels.shape[2:])
     if pixels.ndim not in (2, 3):
         raise ValueError(f"image: got shape {pixels.shape}, expected (H, W) or (H, W, C)")
-    for argument, name in (("layout", layout), ("source_layout", source_layout)):
-        if name not in _CELLS:
-            raise ValueError(f"{argument}: got {name!r}, expected one of {', '.join(map(repr, _CELLS))}")
-    angle = None if fov is None else float(fov)
-    source_angle = None if source_fov is None else float(source_fov)
+    for argument, word in (("layout", layout), ("source_layout", source_layout)):
+        if name(argument, word) not in _CELLS:
+            raise ValueError(f"{argument}: got {word!r}, expected one of {', '.join(map(repr, _CELLS))}")
+    angle, source_angle = number("fov", fov), number("source_fov", source_fov)
     if size is None:
         turn = _pixels_a_turn(source, pixels.shape[1], _CELLS[source_layout][0], source_angle)
         width, height = _default_size(target, turn, angle)
@@ -129,9 +129,7 @@ def convert(
     if target == "cube":
         columns, rows = _CELLS[layout]
         width, height = width * columns, height * rows
-    turn_by = np.eye(3) if rotation is None else np.asarray(rotation, dtype=np.float64)
-    if turn_by.shape != (3, 3):
-        raise ValueError(f"rotation: got shape {turn_by.shape}, expected (3, 3)")
+    turn_by = np.eye(3) if rotation is None else finite_matrix("rotation", rotation, ((3, 3),))
     options = _options(pixels, filter, "clamp", border, tolerance, encoding, alpha, max_anisotropy, threads)
     made = _multum.panorama_convert(
         pixels,

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, SupportsIndex
@@ -13,12 +14,13 @@ from typing import Any, SupportsIndex
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arguments import count, image_size
+from . import _multum
+from ._arguments import count, name, side_or_size
 from ._flatten import arap, check_disk, lscm, plane_corners
 from ._mesh import Material, Mesh, Scene, TextureSlot
 from ._raster import rasterize
 from ._transfer import components, needed, sources, uv_faces
-from .bake import bake_quietly
+from .bake import BakeWarning, check_mesh
 from .mapping import checkerboard as _checkerboard
 
 __all__ = ["Metrics", "checkerboard", "flatten", "heat_map", "metrics", "unwrap"]
@@ -26,6 +28,8 @@ __all__ = ["Metrics", "checkerboard", "flatten", "heat_map", "metrics", "unwrap"
 _METHODS = ("xatlas", "lscm", "arap")
 # Packings that are tried: each halves how far the scale may be from the largest.
 _TRIES = 8
+# Share of the map that charts use at least, or else a warning.
+_LEAST_USE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,12 +73,11 @@ def unwrap(
     iterations: SupportsIndex = 20,
 ) -> Mesh:
     """Make texture coordinates; see :meth:`multum.Mesh.unwrap`."""
-    if not isinstance(mesh, Mesh):
-        raise TypeError(f"mesh: got {type(mesh).__name__}, expected a Mesh")
+    check_mesh("mesh", mesh)
     side = count("size", size, most=16384)
     level = count("lowest_level", lowest_level, least=0, most=12)
     gap = count("padding", padding, least=0, most=side // 4) if padding is not None else 2 << level
-    if method not in _METHODS:
+    if name("method", method) not in _METHODS:
         raise ValueError(f"method: got {method!r}, expected one of {', '.join(map(repr, _METHODS))}")
     if len(mesh.faces) == 0:
         raise ValueError("mesh: got a mesh without faces, expected at least one")
@@ -113,18 +116,103 @@ def _later(material: Material) -> Material:
     return dataclasses.replace(material, **slots, layers=layers)
 
 
-def _atlas(
-    mesh: Mesh, side: int, gap: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+Charts = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]
+
+
+def _atlas(mesh: Mesh, side: int, gap: int) -> Charts:
+    """Vertices, faces and uv of charts that are cut and packed."""
     xatlas = needed("xatlas", "xatlas", "Mesh.unwrap")
+    faces = np.zeros((len(mesh.faces), 3), np.int64)
+    label = np.zeros(len(mesh.faces), np.int64)
+    vertices: list[NDArray[np.int64]] = []
+    places: list[NDArray[np.float64]] = []
+    count, charts, todo = 0, 0, [np.arange(len(mesh.faces))]
+    for round in range(_TRIES):
+        vertex, corners, uv = _cut(xatlas, mesh, todo)
+        own = np.concatenate(todo)
+        _, chart = np.unique(components(corners, len(corners)), return_inverse=True)
+        faces[own], label[own] = corners + count, chart + charts
+        vertices.append(vertex)
+        places.append(uv)
+        count, charts = count + len(vertex), charts + int(chart.max()) + 1
+        if round == _TRIES - 1:
+            break
+        # Charts that lie on themselves are made of pieces; the others stay as they are.
+        flat = uv / max(float(uv.max()), 1e-300)
+        shared = _multum.uv_layout(flat, corners, (side, side), 8)[2]
+        todo = [
+            part
+            for bad in np.unique(chart[shared])
+            for part in _parts(mesh, own[chart == bad], own[shared[chart[shared] == bad]])
+        ]
+        if not todo:
+            break
+    used, faces = np.unique(faces, return_inverse=True)
+    _, label = np.unique(label, return_inverse=True)
+    whole = np.concatenate(vertices)[used], faces.reshape(-1, 3), np.concatenate(places)[used]
+    packed = _pack(xatlas, whole, label, side, gap)
+    share = 0.5 * float(np.abs(_turns(packed[2][packed[1]])).sum())
+    if share < _LEAST_USE:
+        warnings.warn(
+            f"{label.max() + 1} charts with {gap} texels between them use {100 * share:.1f} % of a map of {side} "
+            "texels a side; a larger size, or a smaller padding or lowest_level, gives them more",
+            BakeWarning,
+            stacklevel=4,
+        )
+    return packed
+
+
+def _upright(xatlas: Any) -> Any:
+    """How to pack without turns by a right angle: they swap the axes, which mirrors a chart."""
+    options = xatlas.PackOptions()
+    options.rotate_charts = False
+    return options
+
+
+def _cut(xatlas: Any, mesh: Mesh, pieces: list[NDArray[np.int64]]) -> Charts:
+    """Charts of pieces of the mesh, in its unit, apart from each other; faces in the order of the pieces."""
+    atlas = xatlas.Atlas()
+    for piece in pieces:
+        atlas.add_mesh(mesh.positions, mesh.faces[piece], mesh.normals)
+    chart_options, options = xatlas.ChartOptions(), _upright(xatlas)
+    # Without it some charts come out mirrored.
+    chart_options.fix_winding = True
+    options.padding = 2
+    atlas.generate(chart_options=chart_options, pack_options=options)
+    vertices, faces, places, count = [], [], [], 0
+    for i in range(len(pieces)):
+        vertex, corners, uv = atlas.get_mesh(i)
+        faces.append(np.asarray(corners, np.int64).reshape(-1, 3) + count)
+        vertices.append(np.asarray(vertex, np.int64))
+        places.append(np.asarray(uv, np.float64) * [atlas.width, atlas.height] / atlas.texels_per_unit)
+        count += len(vertex)
+    return np.concatenate(vertices), np.concatenate(faces), np.concatenate(places)
+
+
+def _parts(mesh: Mesh, faces: NDArray[np.int64], shared: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """The faces of a chart in two: few that lie on others, and the rest; or halves across its longest way."""
+    if 4 * len(shared) < len(faces):
+        return [shared, np.setdiff1d(faces, shared)]
+    if len(faces) < 2:
+        return [faces]
+    centres = mesh.positions[mesh.faces[faces]].astype(np.float64).mean(axis=1)
+    centres -= centres.mean(axis=0)
+    along = centres @ np.linalg.svd(centres, full_matrices=False)[2][0]
+    order = np.argsort(along, kind="stable")
+    middle = len(order) // 2
+    return [np.sort(faces[order[:middle]]), np.sort(faces[order[middle:]])]
+
+
+def _pack(xatlas: Any, charts: Charts, label: NDArray[np.int64], side: int, gap: int) -> Charts:
+    """The charts side by side, as large as they fit."""
+    vertex, faces, uv = charts
 
     def packed(resolution: int) -> Any:
         atlas = xatlas.Atlas()
-        atlas.add_mesh(mesh.positions, mesh.faces, mesh.normals)
-        options = xatlas.PackOptions()
-        options.resolution, options.padding = resolution, gap
-        # Its turns by a right angle swap the axes, which mirrors a chart.
-        options.rotate_charts = False
+        atlas.add_uv_mesh(uv.astype(np.float32), faces.astype(np.uint32), label[:, None].astype(np.uint32))
+        options = _upright(xatlas)
+        # It keeps its padding free around each of two neighbours.
+        options.resolution, options.padding = resolution, (gap + 1) // 2
         atlas.generate(pack_options=options)
         fits = atlas.atlas_count == 1 and 0 < max(atlas.width, atlas.height) <= side
         return atlas if fits else None
@@ -140,13 +228,19 @@ def _atlas(
             atlas, least = found, middle
     if atlas is None:
         raise ValueError(
-            f"size: got {side} with padding {gap}, where the charts do not fit; expected a larger map"
+            f"size: got {side} with padding {gap}, where {label.max() + 1} charts do not fit; expected a larger map"
         )
-    vertex, faces, uv = atlas.get_mesh(0)
-    texels = np.asarray(uv, np.float64) * [atlas.width, atlas.height] / side
+    again, corners, places = atlas.get_mesh(0)
+    texels = np.asarray(places, np.float64) * [atlas.width, atlas.height] / side
     # Texture coordinates of xatlas turn as the surface does; here v runs down.
     texels[:, 1] = 1.0 - texels[:, 1]
-    return np.asarray(vertex, np.int64), np.asarray(faces, np.int64).reshape(-1, 3), texels
+    return vertex[np.asarray(again, np.int64)], np.asarray(corners, np.int64).reshape(-1, 3), texels
+
+
+def _turns(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Twice the signed area of triangles (F, 3, 2)."""
+    turns: NDArray[np.float64] = np.linalg.det(corners[:, 1:] - corners[:, :1])
+    return turns
 
 
 def flatten(mesh: Mesh, *, method: str = "arap", iterations: SupportsIndex = 20) -> NDArray[np.float64]:
@@ -184,7 +278,8 @@ def flatten(mesh: Mesh, *, method: str = "arap", iterations: SupportsIndex = 20)
     >>> bool(abs(np.linalg.norm(uv[24] - uv[0]) - 2 ** 0.5) < 0.02)
     True
     """
-    if method not in ("lscm", "arap"):
+    check_mesh("mesh", mesh)
+    if name("method", method) not in ("lscm", "arap"):
         raise ValueError(f"method: got {method!r}, expected 'lscm' or 'arap'")
     rounds = count("iterations", iterations, least=0)
     places, welded = np.unique(mesh.positions + 0.0, axis=0, return_inverse=True)
@@ -207,6 +302,14 @@ def flatten(mesh: Mesh, *, method: str = "arap", iterations: SupportsIndex = 20)
     return uv[welded]
 
 
+def _uv(mesh: Mesh) -> NDArray[np.float32]:
+    """The texture coordinates of what must have some."""
+    check_mesh("mesh", mesh)
+    if mesh.uv is None:
+        raise ValueError("mesh: got a mesh without uv, expected one with uv")
+    return mesh.uv
+
+
 def metrics(mesh: Mesh, size: SupportsIndex | Sequence[SupportsIndex] = 1024) -> Metrics:
     """Measure texture coordinates on a map of ``size`` texels.
 
@@ -227,12 +330,11 @@ def metrics(mesh: Mesh, size: SupportsIndex | Sequence[SupportsIndex] = 1024) ->
     >>> round(found.mean_angle_stretch, 6), found.texel_density.round(6).tolist(), found.charts
     (1.0, [32.0, 32.0], 1)
     """
-    if mesh.uv is None:
-        raise ValueError("mesh: got a mesh without uv, expected one with uv")
-    width, height = image_size(size if isinstance(size, Sequence) else (size, size))
+    uv = _uv(mesh)
+    width, height = side_or_size(size)
     faces = mesh.faces.astype(np.int64)
     flat = plane_corners(mesh.positions.astype(np.float64), faces)
-    texels = mesh.uv.astype(np.float64)[faces] * [width, height]
+    texels = uv.astype(np.float64)[faces] * [width, height]
     along = np.stack([flat[:, 1], flat[:, 2]], axis=2)
     to = np.stack([texels[:, 1] - texels[:, 0], texels[:, 2] - texels[:, 0]], axis=2)
     area = 0.5 * np.linalg.det(along)
@@ -253,7 +355,7 @@ def metrics(mesh: Mesh, size: SupportsIndex | Sequence[SupportsIndex] = 1024) ->
     label = components(uv_faces(mesh), len(faces))
     charts, chart = np.unique(label, return_inverse=True)
     turned = np.bincount(chart, weights=np.where(mirrored, -1.0, 1.0) * area, minlength=len(charts))
-    report = bake_quietly(mesh, mesh, (width, height), "height", "float32", "linear", None, samples=2)[1]
+    touched, overlapping, _ = _multum.uv_layout(uv, mesh.faces, (width, height), 3)
     return Metrics(
         area_stretch=stretch,
         angle_stretch=ratio,
@@ -262,11 +364,11 @@ def metrics(mesh: Mesh, size: SupportsIndex | Sequence[SupportsIndex] = 1024) ->
         mean_area_stretch=float((np.maximum(stretch[sound], 1.0 / stretch[sound]) * weight).sum()),
         mean_angle_stretch=float((ratio[sound] * weight).sum()),
         flipped_faces=int((sound & (mirrored == (turned[chart] > 0))).sum()),
-        overlapping_texels=report.overlapping,
+        overlapping_texels=overlapping,
         degenerate_faces=int((~sound).sum()),
         charts=len(charts),
         seam_length=_seams(mesh),
-        utilization=(report.covered + report.missed) / report.texels,
+        utilization=touched / (width * height),
     )
 
 
@@ -309,19 +411,16 @@ def heat_map(
     array, shape (H, W, 3), uint8
         Black where no face is.
     """
-    if measure not in ("area", "angle"):
+    if name("measure", measure) not in ("area", "angle"):
         raise ValueError(f"measure: got {measure!r}, expected 'area' or 'angle'")
-    if mesh.uv is None:
-        raise ValueError("mesh: got a mesh without uv, expected one with uv")
+    uv = _uv(mesh)
     found = metrics(mesh, size)
     value = found.area_stretch if measure == "area" else found.angle_stretch
     heat = np.clip(np.nan_to_num(np.log2(value)) / 2.0, -1.0, 1.0)
     colors = np.stack([1.0 + np.minimum(heat, 0.0), 1.0 - np.abs(heat), 1.0 - np.maximum(heat, 0.0)], axis=1)
-    clip = np.zeros((len(mesh.uv), 4))
-    clip[:, 0], clip[:, 1], clip[:, 3] = 2.0 * mesh.uv[:, 0] - 1.0, 1.0 - 2.0 * mesh.uv[:, 1], 1.0
-    triangle = rasterize(
-        clip, mesh.faces, image_size(size if isinstance(size, Sequence) else (size, size))
-    ).triangle
+    clip = np.zeros((len(uv), 4))
+    clip[:, 0], clip[:, 1], clip[:, 3] = 2.0 * uv[:, 0] - 1.0, 1.0 - 2.0 * uv[:, 1], 1.0
+    triangle = rasterize(clip, mesh.faces, side_or_size(size)).triangle
     picture = np.where((triangle >= 0)[..., None], np.round(255.0 * colors)[triangle], 0.0)
     return picture.astype(np.uint8)
 
@@ -337,18 +436,17 @@ def checkerboard(
     -------
     array, shape (H, W, 3), uint8
     """
-    if mesh.uv is None:
-        raise ValueError("mesh: got a mesh without uv, expected one with uv")
-    wide = image_size(size if isinstance(size, Sequence) else (size, size))
+    uv = _uv(mesh)
+    wide = side_or_size(size)
     camera = Scene(mesh).camera("auto")
     fragments = rasterize(camera.project(mesh.positions, wide), mesh.faces, wide)
-    uv, jacobian = fragments.interpolate(mesh.uv, derivatives=True)
+    places, jacobian = fragments.interpolate(uv, derivatives=True)
     normal = fragments.interpolate(mesh.normals)
     towards = camera.eye - fragments.interpolate(mesh.positions)
     lit = (normal * towards).sum(-1) / np.maximum(
         np.linalg.norm(normal, axis=-1) * np.linalg.norm(towards, axis=-1), 1e-30
     )
-    value = _checkerboard(uv, cells=count("cells", cells), jacobian=jacobian)
+    value = _checkerboard(places, cells=count("cells", cells), jacobian=jacobian)
     shade = (0.35 + 0.65 * np.clip(lit, 0.0, 1.0)) * (0.25 + 0.7 * value.reshape(lit.shape))
     picture = np.where(fragments.triangle >= 0, shade, 1.0)
     return np.repeat(np.round(255.0 * picture).astype(np.uint8)[..., None], 3, axis=-1)

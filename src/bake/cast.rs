@@ -4,6 +4,7 @@ use super::surface::{Place, Surface};
 use super::tree::{Stack, Tree};
 use super::{Method, Options};
 use crate::error::{Error, Result};
+use crate::mesh::check_faces;
 use crate::par;
 use glam::DVec3;
 
@@ -159,9 +160,7 @@ fn finite(p: &[f64]) -> bool {
 }
 
 fn check_lists(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Result<()> {
-    if let Some(face) = faces.iter().find(|f| f.iter().any(|&v| v as usize >= positions.len())) {
-        return Err(Error::value("faces", format!("{face:?}"), format!("indices below {}", positions.len())));
-    }
+    check_faces(faces, positions.len())?;
     if !positions.as_flattened().iter().all(|c| c.is_finite()) {
         return Err(Error::value("positions", "a number that is not finite", "finite numbers"));
     }

@@ -37,6 +37,8 @@ pub(super) struct Piece {
     pub samples: Vec<(u32, [f64; 3])>,
     /// Whether a sample point lies in several triangles.
     pub overlapping: bool,
+    /// The faces that share a sample point with another, some of them several times.
+    pub shared: Vec<u32>,
     /// Whether only the centroid of a piece was to be had.
     pub sliver: bool,
 }
@@ -166,6 +168,7 @@ impl Chart {
                             pieces[texel].samples.push((face, self.weights(face, p)));
                         } else {
                             pieces[texel].overlapping = true;
+                            pieces[texel].shared.extend([*owner, face]);
                         }
                     }
                 }

@@ -19,6 +19,7 @@
 mod cast;
 mod cover;
 mod dilate;
+mod layout;
 mod quantity;
 mod report;
 mod surface;
@@ -37,6 +38,7 @@ use quantity::Quantity;
 use surface::{Place, Surface};
 
 pub use cast::{Hit, closest, intersect};
+pub use layout::{Layout, layout};
 pub use quantity::{Map, Paint, Space};
 pub use report::{Report, flag};
 
@@ -245,15 +247,20 @@ pub fn bake(high: &Mesh, low: &Mesh, map: &Map<'_>, size: [usize; 2], options: &
     gather(&chart, tiles, size, quantity.channels(), quantity.background(), report, options.padding)
 }
 
-fn check(high: &Mesh, low: &Mesh, size: [usize; 2], options: &Options) -> Result<()> {
-    high.check()?;
-    low.check()?;
+fn check_grid(size: [usize; 2], samples: usize) -> Result<()> {
     if size.iter().any(|n| !(1..=MOST_TEXELS).contains(n)) {
         return Err(Error::value("size", format!("{size:?}"), format!("1 to {MOST_TEXELS} texels a side")));
     }
-    if !(1..=MOST_SAMPLES).contains(&options.samples) {
-        return Err(Error::value("samples", options.samples, format!("1 to {MOST_SAMPLES}")));
+    if !(1..=MOST_SAMPLES).contains(&samples) {
+        return Err(Error::value("samples", samples, format!("1 to {MOST_SAMPLES}")));
     }
+    Ok(())
+}
+
+fn check(high: &Mesh, low: &Mesh, size: [usize; 2], options: &Options) -> Result<()> {
+    high.check()?;
+    low.check()?;
+    check_grid(size, options.samples)?;
     if let Some(distance) = options.distance.filter(|d| !(*d > 0.0 && d.is_finite())) {
         return Err(Error::value("distance", distance, "None or a positive number"));
     }

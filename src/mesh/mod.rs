@@ -17,6 +17,8 @@ mod gltf;
 mod obj;
 #[cfg(feature = "mesh")]
 mod scene;
+#[cfg(feature = "simplify")]
+mod simplify;
 #[cfg(feature = "mesh")]
 mod tangent;
 #[cfg(feature = "mesh")]
@@ -115,7 +117,7 @@ impl Mesh {
 }
 
 /// Refuses faces that name vertices that are not there.
-fn check_faces(faces: &[[u32; 3]], vertices: usize) -> Result<()> {
+pub(crate) fn check_faces(faces: &[[u32; 3]], vertices: usize) -> Result<()> {
     match faces.iter().enumerate().find(|(_, f)| f.iter().any(|&v| v as usize >= vertices)) {
         None => Ok(()),
         Some((i, face)) => Err(Error::value(

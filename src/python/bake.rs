@@ -1,9 +1,9 @@
-//! Baking.
+//! Baking, and simplifying before it.
 
 use super::convert::{FloatArray, array, image_array, triangles, work, work_reporting};
-use super::mesh::vectors as rows;
+use super::mesh::{mesh as mesh_parts, vectors as rows};
 use super::texture::Texture;
-use crate::bake::{Hit, Map, Method, Options, Paint, Space, bake, closest, intersect};
+use crate::bake::{Hit, Map, Method, Options, Paint, Space, bake, closest, intersect, layout};
 use crate::encode::Encoding;
 use crate::error::Error;
 use crate::mesh::{Material, Mesh};
@@ -191,13 +191,37 @@ fn closest_points<'py>(
     positions: &Bound<'py, PyAny>,
     faces: &Bound<'py, PyAny>,
     points: &Bound<'py, PyAny>,
+    threads: Option<usize>,
 ) -> PyResult<Places<'py>> {
     let positions = rows("positions", positions)?;
     let faces = triangles("faces", faces)?;
     let points = FloatArray::new("points", points, &[3], "(..., 3)")?;
     let numbers = points.to_f64()?;
-    let hits = work(py, None, || closest(&positions, &faces, numbers.as_chunks().0))?;
+    let hits = work(py, threads, || closest(&positions, &faces, numbers.as_chunks().0))?;
     places(py, &hits, points.leading(1))
+}
+
+/// Texels that faces touch, texels that several share, and the faces that share.
+#[pyfunction]
+fn uv_layout<'py>(
+    py: Python<'py>,
+    uv: &Bound<'py, PyAny>,
+    faces: &Bound<'py, PyAny>,
+    size: (usize, usize),
+    samples: usize,
+) -> PyResult<(usize, usize, Bound<'py, PyAny>)> {
+    let uv = rows("uv", uv)?;
+    let faces = triangles("faces", faces)?;
+    let found = work(py, None, || layout(&uv, &faces, [size.0, size.1], samples))?;
+    let count = found.shared.len();
+    Ok((found.touched, found.overlapping, array(py, found.shared, &[count])?))
+}
+
+/// The parts of a mesh with fewer faces; materials and pictures stay as they are.
+#[pyfunction]
+fn simplify_mesh<'py>(py: Python<'py>, mesh: &Bound<'py, PyAny>, ratio: f64) -> PyResult<Bound<'py, PyDict>> {
+    let given = read_mesh("mesh", mesh)?;
+    mesh_parts(py, &work(py, None, || given.simplified(ratio))?)
 }
 
 /// Adds this topic to the module.
@@ -205,5 +229,7 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Baked>()?;
     module.add_function(wrap_pyfunction!(bake_map, module)?)?;
     module.add_function(wrap_pyfunction!(cast_rays, module)?)?;
-    module.add_function(wrap_pyfunction!(closest_points, module)?)
+    module.add_function(wrap_pyfunction!(closest_points, module)?)?;
+    module.add_function(wrap_pyfunction!(uv_layout, module)?)?;
+    module.add_function(wrap_pyfunction!(simplify_mesh, module)?)
 }

@@ -71,7 +71,7 @@ fn rows<'py, const N: usize>(py: Python<'py>, list: &[[f32; N]]) -> PyResult<Bou
     array(py, list.as_flattened().to_vec(), &[list.len(), N])
 }
 
-fn mesh<'py>(py: Python<'py>, mesh: &Mesh) -> PyResult<Bound<'py, PyDict>> {
+pub(super) fn mesh<'py>(py: Python<'py>, mesh: &Mesh) -> PyResult<Bound<'py, PyDict>> {
     let made = PyDict::new(py);
     made.set_item("positions", rows(py, &mesh.positions)?)?;
     made.set_item("normals", rows(py, &mesh.normals)?)?;

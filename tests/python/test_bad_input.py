@@ -18,6 +18,7 @@ Array = NDArray[Any]
 IMAGE = np.arange(8 * 9 * 3, dtype=np.uint8).reshape(8, 9, 3)
 TEXTURE = mt.Texture(IMAGE)
 bad: Any = None
+TRIANGLE = mt.Mesh.build([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
 
 IMAGES: list[tuple[type[Exception], Any]] = [
     (ValueError, np.zeros((0, 5), np.uint8)),
@@ -58,6 +59,21 @@ def test_things_that_are_no_images(image: Any) -> None:
 
 
 CASES: list[tuple[str, type[Exception], Callable[[], object]]] = [
+    ("meshes", TypeError, lambda: mt.Mesh.join(["mesh"])),  # type: ignore[list-item]
+    ("meshes", TypeError, lambda: mt.Mesh.join(bad)),
+    ("matrix", TypeError, lambda: TRIANGLE.moved("turn")),
+    ("matrix", ValueError, lambda: TRIANGLE.moved(np.full((4, 4), np.nan))),
+    ("fov", TypeError, lambda: mt.Camera((0, 0, 3), fov="wide")),  # type: ignore[arg-type]
+    ("degrees", TypeError, lambda: mt.Camera((0, 0, 3)).turned("half")),  # type: ignore[arg-type]
+    ("mesh", TypeError, lambda: mt.unwrap.flatten(bad)),
+    ("mesh", TypeError, lambda: mt.unwrap.metrics(bad)),
+    ("mesh", TypeError, lambda: mt.unwrap.heat_map(bad)),
+    ("mesh", TypeError, lambda: mt.unwrap.checkerboard(bad)),
+    ("method", TypeError, lambda: TRIANGLE.unwrap(method=bad)),
+    ("rotation", TypeError, lambda: mt.panorama.convert(IMAGE, rotation="turn")),
+    ("rotation", ValueError, lambda: mt.panorama.convert(IMAGE, rotation=np.full((3, 3), np.inf))),
+    ("fov", TypeError, lambda: mt.panorama.convert(IMAGE, fov="wide")),  # type: ignore[arg-type]
+    ("target", TypeError, lambda: mt.panorama.convert(IMAGE, target=np.zeros(2))),  # type: ignore[arg-type]
     ("wrap", ValueError, lambda: mt.Texture(IMAGE, wrap="tile")),
     ("wrap", TypeError, lambda: mt.Texture(IMAGE, wrap=("repeat", "clamp", "clamp"))),
     ("wrap", TypeError, lambda: mt.Texture(IMAGE, wrap=bad)),

@@ -132,6 +132,7 @@ def test_what_is_not_right_is_told() -> None:
         ({"space": "world"}, ValueError, "space"),
         ({"space": 3}, TypeError, "space"),
         ({"dtype": "int32"}, TypeError, "dtype"),
+        ({"dtype": "texels"}, TypeError, "dtype"),
         ({"samples": 0}, ValueError, "samples"),
         ({"samples": 2.5}, TypeError, "samples"),
         ({"method": "furthest"}, ValueError, "method"),
@@ -166,6 +167,24 @@ def test_bad_meshes_and_sizes() -> None:
         mt.bake.ambient_occlusion(quad(), quad(), 4, rays=0)
     with pytest.raises(ValueError, match="directions"):
         mt.bake.intersect(quad(), [[0, 0, 0]], [1, 0, math.inf])
+
+
+def test_bad_ranges_rays_and_points() -> None:
+    for range in ((1,), "ab", 3, (0, None), [[0, 1]]):
+        with pytest.raises(TypeError, match="range"):
+            mt.bake.height(quad(), quad(), 4, range=range)  # type: ignore[arg-type]
+    for ends in ((0, 0), (1, 0), (0, math.nan), (0, math.inf)):
+        with pytest.raises(ValueError, match="range"):
+            mt.bake.height(quad(), quad(), 4, range=ends)
+    with pytest.raises(ValueError, match="directions"):
+        mt.bake.intersect(quad(), np.zeros((4, 3)), np.ones((5, 3)))
+    with pytest.raises(TypeError, match="origins"):
+        mt.bake.intersect(quad(), ["a", "b", "c"], [0, 0, 1])
+    with pytest.raises(ValueError, match="points"):
+        mt.bake.closest(quad(), [0, math.nan, 0])
+    with pytest.raises(TypeError, match="mesh"):
+        mt.bake.closest(None, [0, 0, 0])  # type: ignore[arg-type]
+    assert mt.bake.height(quad(), quad(), np.array([3, 2])).shape == (2, 3)
 
 
 def test_threads_and_progress() -> None:
@@ -306,6 +325,28 @@ def test_one_command_from_a_detailed_mesh_to_a_gltf(
     plain = (direction * truth).sum(-1)
     assert (shaded * truth).sum(-1).mean() > 0.995
     assert 1 - (shaded * truth).sum(-1).mean() < 0.1 * (1 - plain.mean())
+
+
+def test_names_with_signs_and_all_maps(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    ball(12, 0.05).save(tmp_path / "my high #1 %41.gltf")
+    names = ("normal", "occlusion", "color", "height", "position", "curvature")
+    command = ["bake", str(tmp_path / "my high #1 %41.gltf"), "--simplify", "0.2", "--size", "128"]
+    assert main([*command, "--lowest-level", "0", "--maps", *names, "-o", str(tmp_path / "out")]) == 0
+    assert capsys.readouterr().out.count("full scale") == 3
+    made = {path.name for path in (tmp_path / "out").iterdir()}
+    assert made == {f"my high #1 %41{end}" for end in (".gltf", ".bin", *(f"_{name}.png" for name in names))}
+    document = json.loads((tmp_path / "out" / "my high #1 %41.gltf").read_text())
+    assert document["buffers"][0]["uri"] == "my%20high%20%231%20%2541.bin"
+    mesh = mt.Mesh.open(tmp_path / "out" / "my high #1 %41.gltf")
+    assert [image.read().shape[:2] for image in mesh.images] == [(128, 128)] * 3
+
+
+def test_simplifying_for_a_bake_is_not_held_by_old_cuts(tmp_path: pathlib.Path) -> None:
+    ball(24).unwrap(256).save(tmp_path / "high.glb")
+    assert main(["bake", str(tmp_path / "high.glb"), "--simplify", "0.02", "--size", "64", "--lowest-level", "0",
+                 "-o", str(tmp_path)]) == 0  # fmt: skip
+    low = mt.Mesh.open(tmp_path / "high.gltf")
+    assert len(low.faces) <= 0.02 * len(ball(24).faces) + 2
 
 
 def test_gltf_keeps_materials_and_pictures(tmp_path: pathlib.Path) -> None:

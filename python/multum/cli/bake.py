@@ -30,7 +30,9 @@ examples:
     multum bake high.obj --low low.obj --maps normal occlusion color --depth 16 --exr -o out/
 """
 
-_MAPS = ("normal", "occlusion", "color", "height")
+_MAPS = ("normal", "occlusion", "color", "height", "position", "curvature")
+# Maps that are lengths, not shares: what their codes stand for is printed, and glTF has no place for them.
+_LENGTHS = ("height", "position", "curvature")
 
 
 def add(commands: "Commands") -> None:
@@ -76,9 +78,9 @@ def run(options: argparse.Namespace) -> None:
     """Do it."""
     folder = Path(options.output)
     stem = Path(options.high).stem
-    told: list[str] = []
     lines: list[str] = []
-    with Progress(4 + len(options.maps)) as progress:
+    with Progress(4 + len(options.maps)) as progress, warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", bake.BakeWarning)
         progress.step(f"reading {os.path.basename(options.high)}")
         high = Mesh.open(options.high)
         progress.step("simplifying")
@@ -86,7 +88,9 @@ def run(options: argparse.Namespace) -> None:
         if options.low is not None:
             low = Mesh.open(options.low)
         elif options.simplify is not None:
-            low = high.simplify(options.simplify)
+            # Old uv and materials are no edges that have to stay.
+            one = np.zeros(len(high.faces), np.uint32)
+            low = dataclasses.replace(high, uv_sets=[], face_material=one).simplify(options.simplify)
         progress.step("unwrapping")
         if low.uv is None or options.simplify is not None:
             low = low.unwrap(options.size, lowest_level=options.lowest_level)
@@ -94,35 +98,32 @@ def run(options: argparse.Namespace) -> None:
         maps: dict[str, bake.Map] = {}
         for kind in options.maps:
             progress.step(f"baking {kind}")
-            with warnings.catch_warnings(record=True) as caught:
-                warnings.simplefilter("always", bake.BakeWarning)
-                depth = "uint16" if options.depth == "16" else "uint8"
-                maps[kind] = _bake(kind, high, low, options, depth, progress)
-                if options.exr:
-                    floats = _bake(kind, high, low, options, "float32", progress)
-                    path = folder / f"{stem}_{kind}.exr"
-                    # EXR files hold three channels here.
-                    three = floats if floats.ndim == 3 else np.repeat(floats[..., None], 3, axis=2)
-                    write_image(path, np.asarray(three, np.float32))
-                    lines.append(f"{path}: {floats.shape[1]}x{floats.shape[0]}, float32")
-            told.extend(str(warning.message) for warning in caught)
+            depth = "uint16" if options.depth == "16" else "uint8"
+            maps[kind] = _bake(kind, high, low, options, depth, progress)
+            if options.exr:
+                floats = _bake(kind, high, low, options, "float32", progress)
+                path = folder / f"{stem}_{kind}.exr"
+                # EXR files hold three channels here.
+                three = floats if floats.ndim == 3 else np.repeat(floats[..., None], 3, axis=2)
+                write_image(path, np.asarray(three, np.float32))
+                lines.append(f"{path}: {floats.shape[1]}x{floats.shape[0]}, float32")
         progress.step("writing")
         path = folder / f"{stem}.{'glb' if options.glb else 'gltf'}"
         finished(low, maps).save(path)
-        if "height" in maps:
-            write_image(folder / f"{stem}_height.png", np.asarray(maps["height"]))
+        for kind in set(maps) & set(_LENGTHS):
+            write_image(folder / f"{stem}_{kind}.png", np.asarray(maps[kind]))
     lines.insert(0, f"{path}: {len(low.faces)} faces of {len(high.faces)}, {', '.join(maps)}")
     for kind, baked in maps.items():
         report = baked.report
         if report is not None:
             low_end, high_end = report.range or (0.0, 0.0)
-            scale = f", 0 is {low_end:.6g}, full scale {high_end:.6g}" if kind == "height" else ""
+            scale = f", 0 is {low_end:.6g}, full scale {high_end:.6g}" if kind in _LENGTHS else ""
             lines.append(
                 f"{kind}: {baked.shape[1]}x{baked.shape[0]}, {baked.dtype}, {report.covered} texels covered, "
                 f"{report.missed} missed{scale}"
             )
     print("\n".join(lines))
-    for text in dict.fromkeys(told):
+    for text in dict.fromkeys(str(warning.message) for warning in caught):
         print(f"warning: {text}")
 
 
@@ -142,12 +143,15 @@ def _bake(
     if kind == "occlusion":
         return bake.ambient_occlusion(high, low, options.size, **keywords)
     if kind == "color":
-        return bake.color(high, low, options.size, **keywords)
-    return bake.height(high, low, options.size, **keywords)
+        # Floats are linear light, as EXR files are read.
+        encoding = "linear" if dtype == "float32" else "srgb"
+        return bake.color(high, low, options.size, encoding=encoding, **keywords)
+    length = {"height": bake.height, "position": bake.position, "curvature": bake.curvature}[kind]
+    return length(high, low, options.size, **keywords)
 
 
 def finished(low: Mesh, maps: dict[str, bake.Map]) -> Mesh:
-    """The mesh with one material that shows its maps; heights have no place in it."""
+    """The mesh with one material that shows its maps; lengths have no place in it."""
     slots: dict[str, TextureSlot] = {}
     images: list[MeshImage] = []
     names = {"normal": "normal_texture", "occlusion": "occlusion_texture", "color": "base_color_texture"}
@@ -173,7 +177,15 @@ def finished(low: Mesh, maps: dict[str, bake.Map]) -> Mesh:
         for slot in dataclasses.fields(first)
         if slot.name.endswith("_texture")
     }
-    material = dataclasses.replace(first, base_color=base, layers=(), **textures)
+    material = dataclasses.replace(
+        first,
+        base_color=base,
+        layers=(),
+        normal_scale=1.0,
+        normal_space="tangent",
+        occlusion_strength=1.0,
+        **textures,
+    )
     return dataclasses.replace(
         low,
         uv_sets=low.uv_sets[:1],

@@ -42,7 +42,7 @@ def size(
     """A pair (width, height); zeros and None stand for the default where there is one."""
     try:
         pair = (0, 0) if value is None else tuple(int(v) for v in value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         pair = ()
     if len(pair) != 2 or min(pair) < 0 or max(pair) > 1 << 30:
         raise error(f"{argument}: got {value!r}, expected a pair (width, height) of whole numbers")

@@ -192,13 +192,17 @@ def warpPolar(
     """
     source = _arrays.image("src", src, nearest=flags & INTER_MAX == INTER_NEAREST)
     radius = float(maxRadius)
-    if not radius > 0:
+    if not 0 < radius < np.inf:
         raise error(f"maxRadius: got {maxRadius!r}, expected a positive number")
+    try:
+        center_x, center_y = (float(v) for v in center)
+    except (TypeError, ValueError):
+        raise error(f"center: got {center!r}, expected two numbers") from None
     default = (max(1, round(radius)), max(1, round(radius * np.pi)))
     if flags & WARP_INVERSE_MAP:
         w, h = _arrays.size("dsize", dsize)
         height, width = source.shape[:2]
-        x, y = np.meshgrid(np.arange(w) - float(center[0]), np.arange(h) - float(center[1]))
+        x, y = np.meshgrid(np.arange(w) - center_x, np.arange(h) - center_y)
         rho = np.hypot(x, y)
         first = np.log1p(rho) * (width / np.log(radius)) if flags & WARP_POLAR_LOG else rho * (width / radius)
         second = np.mod(np.arctan2(y, x), 2 * np.pi) * (height / (2 * np.pi))
@@ -212,7 +216,7 @@ def warpPolar(
     else:
         rho = np.arange(w) * (radius / w)
     angle = np.arange(h)[:, np.newaxis] * (2 * np.pi / h)
-    first = (rho * np.cos(angle) + float(center[0])).astype(np.float32)
-    second = (rho * np.sin(angle) + float(center[1])).astype(np.float32)
+    first = (rho * np.cos(angle) + center_x).astype(np.float32)
+    second = (rho * np.sin(angle) + center_y).astype(np.float32)
     border = BORDER_TRANSPARENT if not flags & WARP_FILL_OUTLIERS else BORDER_CONSTANT
     return resample(source, Places((w, h), first, second), flags & INTER_MAX, dst, border, None, antialias)
