@@ -26,11 +26,13 @@ impl Jacobian {
     pub const ZERO: Self = Self { m: [[0.0; 2]; 2] };
 
     /// A Jacobian from its rows.
+    #[inline(always)]
     pub const fn new(m: [[f64; 2]; 2]) -> Self {
         Self { m }
     }
 
     /// Rows multiplied by `sx` and `sy`: from uv to texels with the texture's width and height.
+    #[inline(always)]
     pub fn scaled(self, sx: f64, sy: f64) -> Self {
         let [[a, b], [c, d]] = self.m;
         Self::new([[a * sx, b * sx], [c * sy, d * sy]])

@@ -15,7 +15,7 @@
 
 use crate::error::{Error, Result};
 use crate::jacobian::Jacobian;
-use crate::num::log2;
+use crate::num::log2_of_normal;
 
 /// Which extent of a footprint decides about the level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,15 +40,27 @@ impl LodRule {
         }
     }
 
-    /// Level of detail of a Jacobian in texels per pixel. Zero gives minus infinity, infinite entries give
-    /// infinity and NaN gives NaN; [`clamp`] turns the last two into the coarsest level.
+    /// Level of detail of a Jacobian in texels per pixel. Zero gives minus infinity, entries that are
+    /// infinite or no numbers give infinity, which [`clamp`] turns into the coarsest level.
     #[inline(always)]
     pub fn lod(self, jacobian_tx: Jacobian) -> f32 {
         match self {
-            Self::Major => log2(jacobian_tx.sigma1() as f32),
-            Self::Area => 0.5 * log2(jacobian_tx.det().abs() as f32),
+            Self::Major => level_of(jacobian_tx.sigma1()),
+            Self::Area => 0.5 * level_of(jacobian_tx.det().abs()),
         }
     }
+}
+
+/// `log2` of an extent in texels: minus infinity for zero, infinity for what is infinite or no number. Without branches, so that
+/// a loop over it becomes lanes.
+#[inline(always)]
+pub(crate) fn level_of(extent_tx: f64) -> f32 {
+    let x = extent_tx as f32;
+    let normal = if x > f32::MIN_POSITIVE { x } else { f32::MIN_POSITIVE };
+    let normal = if normal < f32::MAX { normal } else { f32::MAX };
+    let log = log2_of_normal(normal);
+    let log = if x > 0.0 { log } else { f32::NEG_INFINITY };
+    if x <= f32::MAX { log } else { f32::INFINITY }
 }
 
 /// Brings a biased level of detail into `[0, last]`; NaN becomes `last`.

@@ -18,6 +18,12 @@ pub fn log2(x: f32) -> f32 {
         };
     }
     let (x, shift) = if x < f32::MIN_POSITIVE { (x * 16_777_216.0, -24.0) } else { (x, 0.0) };
+    log2_of_normal(x) + shift
+}
+
+/// As [`log2`], for positive normal numbers alone: without branches, so that loops over it become lanes.
+#[inline(always)]
+pub fn log2_of_normal(x: f32) -> f32 {
     // Subtracting the bits of sqrt(1/2) moves the exponent's step to sqrt(1/2).
     const SQRT_HALF_BITS: u32 = 0x3f35_04f3;
     let offset = x.to_bits().wrapping_sub(SQRT_HALF_BITS);
@@ -26,7 +32,7 @@ pub fn log2(x: f32) -> f32 {
     let s = (m - 1.0) / (m + 1.0);
     let q = s * s;
     let series = 1.0 + q * (1.0 / 3.0 + q * (0.2 + q * (1.0 / 7.0 + q * (1.0 / 9.0))));
-    exponent as f32 + s * series * (2.0 / std::f32::consts::LN_2) + shift
+    exponent as f32 + s * series * (2.0 / std::f32::consts::LN_2)
 }
 
 /// Single or double precision: what values are computed in.

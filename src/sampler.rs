@@ -3,11 +3,13 @@
 use crate::encode::{Encoding, Format, encode};
 use crate::error::{Error, Result};
 use crate::filter::{
-    Cubic, Filter, Query, Reader, anisotropic, bicubic, bicubic_gradient, bilinear, bilinear_gradient,
+    BLOCK, Block, Cubic, Filter, Probes, Query, Reader, Samples, anisotropic, bicubic, bicubic_gradient,
+    bilinear, bilinear_gradient,
 };
-use crate::filter::{area, auto, ewa, exact, mipmap, nearest, sat, stochastic};
+use crate::filter::{area, auto, bounded, ewa, exact, mipmap, nearest, sat, stochastic};
 use crate::image::Element;
 use crate::jacobian::Jacobian;
+use crate::kernel::lanes::with_lanes;
 use crate::kernel::{Isa, Work, compiled_for};
 use crate::lod::LodRule;
 use crate::num::Real;
@@ -17,8 +19,6 @@ use crate::texture::{Decode, Decoder, Plain, Texture};
 
 /// Samples a tile: small enough to balance, large enough to be worth a hand-over.
 const TILE: usize = 4096;
-/// Samples that are placed, averaged and finished together.
-const BLOCK: usize = 64;
 /// Calls with fewer samples stay on the calling thread.
 const SERIAL: usize = 10_000;
 
@@ -80,21 +80,14 @@ impl<O: Copy> Slots<'_, O> {
     /// Block by block: places, then averages, then results.
     fn fill<R: Real>(
         self,
-        places: &Places<'_>,
-        average: impl Fn(&[(Query, Option<f32>)], &mut [[R; 4]]),
+        places: &dyn Fill,
+        mut average: impl FnMut(&dyn Fill, usize, &mut [[R; 4]]),
         finish: impl Fn([R; 4]) -> [O; 4],
     ) {
-        let nowhere = Query { s: 0.0, t: 0.0, jacobian_tx: Jacobian::ZERO, index: 0 };
-        let mut queries = [(nowhere, None); BLOCK];
         let mut averages = [[R::ZERO; 4]; BLOCK];
         for (block, out) in self.out.chunks_mut(BLOCK * self.channels).enumerate() {
             let count = out.len() / self.channels;
-            for (k, slot) in queries[..count].iter_mut().enumerate() {
-                let index = self.first + block * BLOCK + k;
-                let (query, lod) = places(index);
-                *slot = (Query { index: index as u64, ..query }.bounded(), lod);
-            }
-            average(&queries[..count], &mut averages[..count]);
+            average(places, self.first + block * BLOCK, &mut averages[..count]);
             for (out, average) in out.chunks_exact_mut(self.channels).zip(&averages) {
                 for (out, value) in out[4 * self.group..].iter_mut().zip(finish(*average)) {
                     *out = value;
@@ -124,6 +117,103 @@ impl<T: Element, D: Decode<T>> Work for Averages<'_, T, D> {
 
 /// Where sample `i` lies and what it covers.
 pub(crate) type Places<'a> = dyn Fn(usize) -> (Query, Option<f32>) + Sync + 'a;
+
+/// Where a block of samples, from `first` on, lies and what each covers.
+trait Fill: Sync {
+    fn fill(&self, first: usize, queries: &mut [(Query, Option<f32>)]);
+
+    /// The same, number by number.
+    fn fill_samples(&self, _isa: Isa, first: usize, count: usize, samples: &mut Samples) {
+        let mut queries = [(Query::NOWHERE, None); BLOCK];
+        self.fill(first, &mut queries[..count]);
+        for (i, (query, lod)) in queries[..count].iter().enumerate() {
+            samples.set(i, query, *lod);
+        }
+    }
+}
+
+/// One by one.
+struct Each<'a>(&'a Places<'a>);
+
+impl Fill for Each<'_> {
+    fn fill(&self, first: usize, queries: &mut [(Query, Option<f32>)]) {
+        for (index, slot) in (first..).zip(queries) {
+            let (query, lod) = self.0(index);
+            *slot = (Query { index: index as u64, ..query }.bounded(), lod);
+        }
+    }
+}
+
+/// From arrays of numbers in texture space.
+struct Arrays<'a, U> {
+    uv: &'a [U],
+    extent: Extent<'a, U>,
+    size: [f64; 2],
+}
+
+impl<U: Coordinate> Fill for Arrays<'_, U> {
+    fn fill(&self, first: usize, queries: &mut [(Query, Option<f32>)]) {
+        let [w, h] = self.size;
+        let uv = self.uv[2 * first..].chunks_exact(2);
+        for (k, (slot, uv)) in queries.iter_mut().zip(uv).enumerate() {
+            let index = (first + k) as u64;
+            let (s, t) = (uv[0].into() * w, uv[1].into() * h);
+            *slot = (Query { s, t, jacobian_tx: Jacobian::ZERO, index }, None);
+        }
+        match self.extent {
+            Extent::Point => {}
+            Extent::Jacobian(numbers) => {
+                for (slot, j) in queries.iter_mut().zip(numbers[4 * first..].chunks_exact(4)) {
+                    let [a, b, c, d] = [j[0].into() * w, j[1].into() * w, j[2].into() * h, j[3].into() * h];
+                    slot.0.jacobian_tx = Jacobian::new([[a, b], [c, d]]);
+                    slot.0 = slot.0.bounded();
+                }
+            }
+            Extent::Lod(lod) => {
+                queries.iter_mut().zip(&lod[first..]).for_each(|(slot, lod)| slot.1 = Some(*lod));
+            }
+        }
+    }
+
+    fn fill_samples(&self, isa: Isa, first: usize, count: usize, samples: &mut Samples) {
+        compiled_for(isa, Separated { arrays: self, first, count, samples });
+    }
+}
+
+/// Numbers of a block taken apart, to be compiled for an instruction set.
+struct Separated<'a, U> {
+    arrays: &'a Arrays<'a, U>,
+    first: usize,
+    count: usize,
+    samples: &'a mut Samples,
+}
+
+impl<U: Coordinate> Work for Separated<'_, U> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { arrays, first, count, samples } = self;
+        let [w, h] = arrays.size;
+        let count = count.min(BLOCK);
+        for (i, uv) in arrays.uv[2 * first..2 * (first + count)].chunks_exact(2).enumerate() {
+            (samples.s[i], samples.t[i]) = (uv[0].into() * w, uv[1].into() * h);
+        }
+        match arrays.extent {
+            Extent::Point => {}
+            Extent::Jacobian(numbers) => {
+                for (i, j) in numbers[4 * first..4 * (first + count)].chunks_exact(4).enumerate() {
+                    samples.m[0][i] = bounded(j[0].into() * w);
+                    samples.m[1][i] = bounded(j[1].into() * w);
+                    samples.m[2][i] = bounded(j[2].into() * h);
+                    samples.m[3][i] = bounded(j[3].into() * h);
+                }
+            }
+            Extent::Lod(lod) => {
+                samples.lod[..count].iter_mut().zip(&lod[first..]).for_each(|(slot, lod)| *slot = Some(*lod));
+            }
+        }
+    }
+}
 
 /// From averages to what the caller gets.
 trait Finish<T: Element, O>: Sync {
@@ -254,19 +344,7 @@ impl Sampler {
             Extent::Lod(lod) => expect("lod", lod.len(), samples)?,
         }
         let (w, h) = (texture.width() as f64, texture.height() as f64);
-        let places = |i: usize| {
-            let (s, t) = (uv[2 * i].into() * w, uv[2 * i + 1].into() * h);
-            let (jacobian_tx, lod) = match extent {
-                Extent::Point => (Jacobian::ZERO, None),
-                Extent::Jacobian(j) => {
-                    let j: [f64; 4] = std::array::from_fn(|k| j[4 * i + k].into());
-                    (Jacobian::new([[j[0], j[1]], [j[2], j[3]]]).scaled(w, h), None)
-                }
-                Extent::Lod(lod) => (Jacobian::ZERO, Some(lod[i])),
-            };
-            (Query { s, t, jacobian_tx, index: 0 }, lod)
-        };
-        self.sample_places(texture, samples, &places, out)
+        self.sample_filled(texture, samples, &Arrays { uv, extent, size: [w, h] }, out)
     }
 
     /// Samples at the places that `places(i)` names: a query in texels of level 0, and a level of detail
@@ -276,6 +354,16 @@ impl Sampler {
         texture: &Texture<'_>,
         samples: usize,
         places: &Places<'_>,
+        out: &mut [O],
+    ) -> Result<()> {
+        self.sample_filled(texture, samples, &Each(places), out)
+    }
+
+    fn sample_filled<O: Real>(
+        &self,
+        texture: &Texture<'_>,
+        samples: usize,
+        places: &dyn Fill,
         out: &mut [O],
     ) -> Result<()> {
         let result = Results::<O>(std::marker::PhantomData);
@@ -297,6 +385,7 @@ impl Sampler {
         out: &mut [O],
     ) -> Result<()> {
         let codes = Codes { format: texture.format(), dtype: texture.dtype() };
+        let places: &dyn Fill = &Each(places);
         match texture.stored_dtype() {
             DType::U8 => self.batch::<u8, _, O>(texture, samples, places, &codes, out),
             DType::U16 => self.batch::<u16, _, O>(texture, samples, places, &codes, out),
@@ -310,7 +399,7 @@ impl Sampler {
         &self,
         texture: &Texture<'_>,
         samples: usize,
-        places: &Places<'_>,
+        places: &dyn Fill,
         finish: &K,
         out: &mut [O],
     ) -> Result<()> {
@@ -329,11 +418,11 @@ impl Sampler {
                     if layers.decoder.is_plain() {
                         let plain = Plain { full_scale: layers.decoder.full_scale };
                         let reader = Reader::new(&layers, plain, isa);
-                        let averages = |queries: &[_], out: &mut [_]| self.averages(&reader, queries, out);
+                        let averages = self.averages(&reader);
                         slots.fill(places, averages, |average| finish.plain(&reader, average, group));
                     } else {
                         let reader = Reader::new(&layers, layers.decoder, isa);
-                        let averages = |queries: &[_], out: &mut [_]| self.averages(&reader, queries, out);
+                        let averages = self.averages(&reader);
                         slots.fill(places, averages, |average| finish.decoded(&reader, average, group));
                     }
                     Ok(())
@@ -344,10 +433,43 @@ impl Sampler {
         Ok(())
     }
 
-    /// Samples not yet finished. A function of its own, so that it is compiled once for each kind of texture, however many
-    /// kinds of results there are.
+    /// What averages a block of places.
+    fn averages<'r, T: Element, D: Decode<T>>(
+        &self,
+        r: &'r Reader<'_, T, D>,
+    ) -> impl FnMut(&dyn Fill, usize, &mut [[T::Real; 4]]) + use<'r, '_, T, D> {
+        let sampler = *self;
+        let mut samples = Samples::NONE;
+        let mut queries = [(Query::NOWHERE, None); BLOCK];
+        move |places, first, out| {
+            if Probes::has(sampler.filter) && T::DTYPE != DType::F64 {
+                places.fill_samples(r.isa, first, out.len(), &mut samples);
+                sampler.probes(r, &samples, out);
+            } else {
+                let queries = &mut queries[..out.len()];
+                places.fill(first, queries);
+                sampler.one_by_one(r, queries, out);
+            }
+        }
+    }
+
+    /// Bilinear probes. A function of its own, so that it is compiled once for each kind of texture, however many kinds of
+    /// results there are.
     #[inline(never)]
-    fn averages<T: Element, D: Decode<T>>(
+    fn probes<T: Element, D: Decode<T>>(
+        &self,
+        reader: &Reader<'_, T, D>,
+        samples: &Samples,
+        out: &mut [[T::Real; 4]],
+    ) {
+        let Self { filter, max_anisotropy, lod_bias, lod_rule, .. } = *self;
+        let probes = Probes { filter, max_anisotropy, lod_bias, lod_rule };
+        with_lanes(reader.isa, Block { probes, reader, samples, out });
+    }
+
+    /// Samples not yet finished, one after the other.
+    #[inline(never)]
+    fn one_by_one<T: Element, D: Decode<T>>(
         &self,
         r: &Reader<'_, T, D>,
         queries: &[(Query, Option<f32>)],

@@ -1,5 +1,6 @@
 //! Element types of textures: `u8`, `u16`, `f16`, `f32`, `f64`.
 
+use crate::kernel::lanes::Lanes;
 use crate::num::Real;
 pub use half::f16;
 
@@ -91,15 +92,21 @@ pub trait Texel: Copy + Default + PartialEq + Send + Sync + 'static {
     fn from_real(x: Self::Real) -> Self;
     /// The code as an index into a table of all codes; 0 for floats.
     fn index(self) -> usize;
+    /// Eight codes as singles.
+    fn lanes<L: Lanes>(codes: &[Self; 8]) -> L;
     /// Numbers of this type as numbers of any type.
     fn codes(data: &[Self]) -> Codes<'_>;
 }
 
 macro_rules! integer_texel {
-    ($type:ty, $variant:ident) => {
+    ($type:ty, $variant:ident, $load:ident) => {
         impl Texel for $type {
             type Real = f32;
             const DTYPE: DType = DType::$variant;
+            #[inline(always)]
+            fn lanes<L: Lanes>(codes: &[Self; 8]) -> L {
+                L::$load(codes)
+            }
             fn codes(data: &[Self]) -> Codes<'_> {
                 Codes::$variant(data)
             }
@@ -137,14 +144,18 @@ macro_rules! integer_texel {
     };
 }
 
-integer_texel!(u8, U8);
-integer_texel!(u16, U16);
+integer_texel!(u8, U8, load_u8);
+integer_texel!(u16, U16, load_u16);
 
 macro_rules! float_texel {
     ($type:ty, $variant:ident, $real:ty, $to64:expr, $to32:expr, $from64:expr, $from32:expr, $to:ident, $from:ident) => {
         impl Texel for $type {
             type Real = $real;
             const DTYPE: DType = DType::$variant;
+            #[inline(always)]
+            fn lanes<L: Lanes>(codes: &[Self; 8]) -> L {
+                L::load(&codes.map(Texel::to_f32))
+            }
             fn codes(data: &[Self]) -> Codes<'_> {
                 Codes::$variant(data)
             }

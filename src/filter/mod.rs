@@ -16,6 +16,7 @@ mod ewa;
 mod exact;
 mod mipmap;
 mod nearest;
+mod probes;
 mod rows;
 mod sat;
 mod stochastic;
@@ -30,6 +31,7 @@ pub(crate) use ewa::ewa;
 pub(crate) use exact::exact;
 pub(crate) use mipmap::mipmap;
 pub(crate) use nearest::nearest;
+pub(crate) use probes::{BLOCK, Block, Probes, Samples};
 pub(crate) use sat::sat;
 pub(crate) use stochastic::stochastic;
 
@@ -136,7 +138,19 @@ pub(crate) struct Query {
     pub index: u64,
 }
 
+/// A finite number beyond 1e30 cut to that, and one below 1e-30 to zero.
+#[inline(always)]
+pub(crate) fn bounded(x: f64) -> f64 {
+    let size = x.abs();
+    let cut = if x < 0.0 { -1e30 } else { 1e30 };
+    let x = if (size > 1e30) & (size <= f64::MAX) { cut } else { x };
+    if size < 1e-30 { 0.0 } else { x }
+}
+
 impl Query {
+    /// A point at the origin.
+    pub const NOWHERE: Self = Self { s: 0.0, t: 0.0, jacobian_tx: Jacobian::ZERO, index: 0 };
+
     /// The footprint grown by `bias` octaves; a level of detail given outright makes it a square.
     pub fn with_lod(self, lod: Option<f32>, bias: f32) -> Self {
         if lod.is_none() && bias == 0.0 {
@@ -155,12 +169,7 @@ impl Query {
     #[inline(always)]
     pub fn bounded(mut self) -> Self {
         for x in self.jacobian_tx.m.iter_mut().flatten() {
-            if x.is_finite() {
-                *x = x.clamp(-1e30, 1e30);
-            }
-            if x.abs() < 1e-30 {
-                *x = 0.0;
-            }
+            *x = bounded(*x);
         }
         self
     }

@@ -3,6 +3,8 @@
 //! An algorithm is written once, over [`Lanes`]; with [`Portable`] it is its own scalar twin. Every operation is one
 //! rounding of each lane, so results are equal bit for bit.
 
+use super::Isa;
+
 /// Eight singles.
 pub trait Lanes: Copy {
     /// `x` in all lanes.
@@ -27,10 +29,40 @@ pub trait Lanes: Copy {
     fn max(self, other: Self) -> Self;
     /// Without sign.
     fn abs(self) -> Self;
+    /// `a` in the first four lanes, `b` in the others.
+    fn halves(a: f32, b: f32) -> Self;
     /// Lane `2 PAIR` four times, then lane `2 PAIR + 1` four times.
     fn spread<const PAIR: usize>(self) -> Self;
     /// `self` where `mask` is not zero, else zero.
     fn where_not_zero(self, mask: Self) -> Self;
+}
+
+/// Work that is written over lanes. What is inlined into it is compiled for their instruction set; no closure may touch lanes,
+/// for one that is not inlined makes each operation a call.
+pub trait LaneWork {
+    /// What it gives.
+    type Output;
+    /// Does it; to be marked `#[inline(always)]`.
+    fn run<L: Lanes>(self) -> Self::Output;
+}
+
+/// Does `work` with the lanes of `isa`.
+#[inline(always)]
+pub fn with_lanes<W: LaneWork>(isa: Isa, work: W) -> W::Output {
+    match isa {
+        // SAFETY: a set other than `Scalar` is in use only where the machine has it, and all others have AVX2.
+        #[cfg(target_arch = "x86_64")]
+        Isa::Avx2 | Isa::Avx512 if isa.is_supported() => unsafe { with_avx2(work) },
+        _ => work.run::<Portable>(),
+    }
+}
+
+/// # Safety
+/// The machine must have AVX2.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+unsafe fn with_avx2<W: LaneWork>(work: W) -> W::Output {
+    work.run::<Avx2>()
 }
 
 /// Lanes in plain Rust: the definition.
@@ -88,6 +120,10 @@ impl Lanes for Portable {
     #[inline(always)]
     fn abs(self) -> Self {
         Self(self.0.map(f32::abs))
+    }
+    #[inline(always)]
+    fn halves(a: f32, b: f32) -> Self {
+        Self([a, a, a, a, b, b, b, b])
     }
     #[inline(always)]
     fn spread<const PAIR: usize>(self) -> Self {
@@ -170,6 +206,11 @@ mod x86 {
         fn abs(self) -> Self {
             // SAFETY: see above.
             Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+        }
+        #[inline(always)]
+        fn halves(a: f32, b: f32) -> Self {
+            // SAFETY: see above.
+            Self(unsafe { _mm256_set_m128(_mm_set1_ps(b), _mm_set1_ps(a)) })
         }
         #[inline(always)]
         fn spread<const PAIR: usize>(self) -> Self {

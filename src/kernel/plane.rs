@@ -59,6 +59,36 @@ impl<T: Copy + Default> Plane<'_, T> {
         [self.texel(x, y), self.texel(x + 1, y), self.texel(x, y + 1), self.texel(x + 1, y + 1)]
     }
 
+    /// Where the texel (x, y) begins.
+    #[inline(always)]
+    pub fn at(&self, x: i32, y: i32) -> usize {
+        (self.origin as isize + y as isize * self.row as isize + x as isize * self.lanes as isize) as usize
+    }
+
+    /// The channels of the texels that begin at `at` and one texel further, four each, the rest filled with zero codes.
+    #[inline(always)]
+    pub fn pair(&self, at: usize) -> [T; 8] {
+        let zero = T::default();
+        if self.lanes == 4 {
+            let t = &self.data[at..at + 8];
+            return [t[0], t[1], t[2], t[3], t[4], t[5], t[6], t[7]];
+        }
+        if self.lanes == 1 {
+            let t = &self.data[at..at + 2];
+            return [t[0], zero, zero, zero, t[1], zero, zero, zero];
+        }
+        let last = &self.data[at + self.lanes..at + self.lanes + self.channels];
+        let first = &self.data[at..at + self.channels];
+        let (mut a, mut b) = ([zero; 4], [zero; 4]);
+        if self.channels == 4 {
+            (a, b) = ([first[0], first[1], first[2], first[3]], [last[0], last[1], last[2], last[3]]);
+        } else {
+            a.iter_mut().zip(first).for_each(|(a, t)| *a = *t);
+            b.iter_mut().zip(last).for_each(|(b, t)| *b = *t);
+        }
+        [a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]]
+    }
+
     /// Whether the texel stands in the picture or its apron.
     #[inline(always)]
     pub fn is_readable(&self, x: i32, y: i32) -> bool {

@@ -1,6 +1,7 @@
 //! A texture as filters read it: planes of up to four channels, and what their codes mean.
 
 use crate::encode::{Encoding, Format, decode};
+use crate::kernel::lanes::Lanes;
 use crate::kernel::plane::Plane;
 use crate::num::Real;
 use crate::sat::SummedAreaTable;
@@ -76,6 +77,13 @@ pub(crate) trait Decode<T: Texel>: Copy + Sync {
     const PLAIN: bool;
     /// A texel's codes as numbers to average.
     fn texel(&self, codes: [T; 4]) -> [T::Real; 4];
+    /// Two texels' codes as singles to average.
+    #[inline(always)]
+    fn pair<L: Lanes>(&self, codes: [T; 8]) -> L {
+        let [a, b, c, d, e, f, g, h] = codes;
+        let ([a, b, c, d], [e, f, g, h]) = (self.texel([a, b, c, d]), self.texel([e, f, g, h]));
+        L::load(&[a, b, c, d, e, f, g, h].map(|x| x.to_f64() as f32))
+    }
     /// The number that [`Decode::finish`] turns into `value`.
     fn outside(&self, value: [f64; 4]) -> [T::Real; 4];
     /// An average as a result.
@@ -96,6 +104,11 @@ impl<T: Texel> Decode<T> for Plain {
     #[inline(always)]
     fn texel(&self, codes: [T; 4]) -> [T::Real; 4] {
         [codes[0].to_real(), codes[1].to_real(), codes[2].to_real(), codes[3].to_real()]
+    }
+
+    #[inline(always)]
+    fn pair<L: Lanes>(&self, codes: [T; 8]) -> L {
+        T::lanes(&codes)
     }
 
     fn outside(&self, value: [f64; 4]) -> [T::Real; 4] {

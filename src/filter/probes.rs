@@ -1,0 +1,475 @@
+//! Bilinear probes, a block of samples at a time: the bilinear, trilinear and anisotropic filters.
+//!
+//! The level of every sample is found in lanes over the block, the places of a line of probes in lanes over the probes. A
+//! probe is read in lanes over the channels of two neighbours: rows are blended by the height, `v = a + fy (b - a)`, then
+//! columns, `v_left + fx (v_right - v_left)`. A line of probes sums differences from one of its texels, so that equal texels
+//! give exactly their value.
+
+use super::anisotropic::{Line, Lines};
+use super::{Filter, Query, Reader, lerp4};
+use crate::jacobian::Jacobian;
+use crate::kernel::lanes::{LaneWork, Lanes};
+use crate::lod::{self, LodRule};
+use crate::num::{Real, floor};
+use crate::texel::Texel;
+use crate::texture::Decode;
+use crate::wrap::Wrap;
+
+/// Most samples of a block.
+pub(crate) const BLOCK: usize = 64;
+
+/// Longest half line, in texels, whose places singles hold well enough.
+const NEAR: f64 = 256.0;
+/// Longest row, in elements, that 32 bits can step over, and coordinates that singles can wrap.
+const FAR: i32 = 1 << 20;
+
+/// How the texels of a block are found.
+#[derive(Clone, Copy)]
+pub(crate) struct Probes {
+    pub filter: Filter,
+    pub max_anisotropy: f64,
+    pub lod_bias: f32,
+    pub lod_rule: LodRule,
+}
+
+/// Places and footprints of a block, number by number: what [`Query`] holds.
+pub(crate) struct Samples {
+    pub s: [f64; BLOCK],
+    pub t: [f64; BLOCK],
+    /// The Jacobian's entries, row by row.
+    pub m: [[f64; BLOCK]; 4],
+    /// Levels of detail that are given outright.
+    pub lod: [Option<f32>; BLOCK],
+}
+
+impl Samples {
+    /// Points at the origin.
+    pub const NONE: Self =
+        Self { s: [0.0; BLOCK], t: [0.0; BLOCK], m: [[0.0; BLOCK]; 4], lod: [None; BLOCK] };
+
+    /// Sets sample `i`.
+    pub fn set(&mut self, i: usize, query: &Query, lod: Option<f32>) {
+        let [[a, b], [c, d]] = query.jacobian_tx.m;
+        (self.s[i], self.t[i], self.lod[i]) = (query.s, query.t, lod);
+        [self.m[0][i], self.m[1][i], self.m[2][i], self.m[3][i]] = [a, b, c, d];
+    }
+}
+
+/// A block to be averaged.
+pub(crate) struct Block<'a, T: Texel, D> {
+    pub probes: Probes,
+    pub reader: &'a Reader<'a, T, D>,
+    pub samples: &'a Samples,
+    pub out: &'a mut [[T::Real; 4]],
+}
+
+impl<T: Texel, D: Decode<T>> LaneWork for Block<'_, T, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { probes, reader, samples, out } = self;
+        let mut levels = Levels { level: [0; BLOCK], fraction: [0.0; BLOCK], lines: Lines::POINTS };
+        probes.find(samples, reader.last_level(), out.len(), &mut levels);
+        let fine = reader.places(samples, &levels.level);
+        let coarse = if probes.blends() {
+            let last = reader.last_level() as i32;
+            let mut next = levels.level;
+            next.iter_mut().for_each(|level| *level = last.min(*level + 1));
+            reader.places(samples, &next)
+        } else {
+            fine
+        };
+        for (i, out) in out.iter_mut().enumerate().take(BLOCK) {
+            let (level, fraction) = (levels.level[i] as usize, levels.fraction[i]);
+            let value = if !(samples.s[i].is_finite() && samples.t[i].is_finite()) {
+                *out = reader.outside();
+                continue;
+            } else if levels.lines.half[i] > 0.0 {
+                let line = levels.lines.at(i);
+                reader.line::<L>([samples.s[i], samples.t[i]], level, fraction, &line)
+            } else {
+                let near = blended(reader.column::<L>(level, &fine, i));
+                if fraction == 0.0 {
+                    near
+                } else {
+                    lerp4(near, blended(reader.column::<L>(level + 1, &coarse, i)), fraction)
+                }
+            };
+            *out = [value[0], value[1], value[2], value[3]].map(|x| T::Real::from_f64(x.into()));
+        }
+    }
+}
+
+/// Levels and lines of a block.
+struct Levels {
+    level: [i32; BLOCK],
+    fraction: [f32; BLOCK],
+    lines: Lines,
+}
+
+impl Probes {
+    /// Whether this module has the filter.
+    pub fn has(filter: Filter) -> bool {
+        matches!(
+            filter,
+            Filter::Bilinear | Filter::LinearMipmapNearest | Filter::Trilinear | Filter::Anisotropic
+        )
+    }
+
+    /// Whether two levels are read.
+    fn blends(&self) -> bool {
+        matches!(self.filter, Filter::Trilinear | Filter::Anisotropic)
+    }
+
+    /// Finds the levels, and the lines where the filter has them. Loops run over whole blocks, so that they become lanes.
+    #[inline(always)]
+    fn find(&self, samples: &Samples, last: usize, count: usize, levels: &mut Levels) {
+        if self.filter == Filter::Bilinear {
+            return;
+        }
+        let mut lod = [0.0; BLOCK];
+        let [a, b, c, d] = &samples.m;
+        if self.filter == Filter::Anisotropic {
+            levels.lines.find(&samples.m, self.max_anisotropy, &mut lod);
+        } else if self.lod_rule == LodRule::Major {
+            for i in 0..BLOCK {
+                lod[i] = LodRule::Major.lod(Jacobian { m: [[a[i], b[i]], [c[i], d[i]]] });
+            }
+        } else {
+            for i in 0..BLOCK {
+                lod[i] = LodRule::Area.lod(Jacobian { m: [[a[i], b[i]], [c[i], d[i]]] });
+            }
+        }
+        for i in (0..count).filter(|i| samples.lod[*i].is_some()) {
+            lod[i] = samples.lod[i].unwrap_or_default();
+            levels.lines.half[i] = 0.0;
+        }
+        for i in 0..BLOCK {
+            let clamped = lod::clamp(lod[i] + self.lod_bias, last);
+            // Not negative, so truncation is floor.
+            levels.level[i] = clamped as i32;
+            levels.fraction[i] = clamped - levels.level[i] as f32;
+        }
+        if self.filter == Filter::LinearMipmapNearest {
+            for i in 0..BLOCK {
+                levels.level[i] += i32::from(levels.fraction[i] > 0.5);
+                levels.fraction[i] = 0.0;
+            }
+        }
+    }
+}
+
+/// Where the probes of a block stand on their levels: the texel left of and above each, and how far it is from there.
+#[derive(Clone, Copy)]
+struct Spots {
+    x: [i32; BLOCK],
+    y: [i32; BLOCK],
+    fx: [f32; BLOCK],
+    fy: [f32; BLOCK],
+}
+
+/// A probe's column blended by the height, the left neighbour in the first half, and the fraction of the way to the right one.
+#[derive(Clone, Copy)]
+struct Column<L> {
+    sides: L,
+    fraction: f32,
+}
+
+impl<T: Texel, D: Decode<T>> Reader<'_, T, D> {
+    /// Brings a block to its levels.
+    #[inline(always)]
+    fn places(&self, samples: &Samples, level: &[i32; BLOCK]) -> Spots {
+        let base = &self.layers.planes[0];
+        let mut spots = Spots { x: [0; BLOCK], y: [0; BLOCK], fx: [0.0; BLOCK], fy: [0.0; BLOCK] };
+        let mut scale = [[0.0; BLOCK]; 2];
+        let mut size = [[0.0; BLOCK]; 2];
+        for i in 0..BLOCK {
+            let level = level[i] as usize;
+            let (plane, k) = (&self.layers.planes[level], &self.scale[level]);
+            (scale[0][i], scale[1][i]) = (k[0], k[1]);
+            (size[0][i], size[1][i]) = (plane.width.into(), plane.height.into());
+        }
+        let [wu, wv] = self.layers.wrap;
+        along(wu, base.width, &samples.s, &scale[0], &size[0], &mut spots.x, &mut spots.fx);
+        along(wv, base.height, &samples.t, &scale[1], &size[1], &mut spots.y, &mut spots.fy);
+        spots
+    }
+
+    /// Probe `i` of a block.
+    #[inline(always)]
+    fn column<L: Lanes>(&self, level: usize, spots: &Spots, i: usize) -> Column<L> {
+        self.column_at(level, [spots.x[i], spots.y[i]], [spots.fx[i], spots.fy[i]])
+    }
+
+    /// A probe between texel (x, y) and the next.
+    #[inline(always)]
+    fn column_at<L: Lanes>(&self, level: usize, [x, y]: [i32; 2], [fx, fy]: [f32; 2]) -> Column<L> {
+        let plane = &self.layers.planes[level];
+        if plane.covers(x, y, x + 1, y + 1) {
+            return Column { sides: self.rows::<L>(level, plane.at(x, y), fy), fraction: fx };
+        }
+        let [a, b, c, d] = self.taps_outside(level, x, y).map(|t| t.map(|x| x.to_f64() as f32));
+        let ([a, b, c, d], [e, f, g, h]) = (lerp4(a, c, fy), lerp4(b, d, fy));
+        Column { sides: L::load(&[a, b, c, d, e, f, g, h]), fraction: fx }
+    }
+
+    /// Two neighbours from `at` on, blended with those of the next row.
+    #[inline(always)]
+    fn rows<L: Lanes>(&self, level: usize, at: usize, fraction: f32) -> L {
+        let plane = &self.layers.planes[level];
+        let above = self.decode.pair::<L>(plane.pair(at));
+        let below = self.decode.pair::<L>(plane.pair(at + plane.row));
+        above.add(L::splat(fraction).mul(below.sub(above)))
+    }
+
+    /// Probes along a line.
+    #[inline(always)]
+    fn line<L: Lanes>(&self, place: [f64; 2], level: usize, fraction: f32, line: &Line) -> [f32; 4] {
+        let (s, t) = self.on_level(level, place[0], place[1]);
+        let [x, y] = [s, t].map(|c| floor(c) as i32);
+        let plane = &self.layers.planes[level];
+        let texel = if plane.is_readable(x, y) {
+            self.decode.texel(plane.texel(x, y))
+        } else {
+            self.tap(level, x, y)
+        };
+        let [a, b, c, d] = texel.map(|x| x.to_f64() as f32);
+        let reference = L::load(&[a, b, c, d, a, b, c, d]);
+        let mut sum = self.line_on::<L>(place, level, line, reference);
+        if fraction > 0.0 {
+            let coarse = self.line_on::<L>(place, level + 1, line, reference);
+            sum = sum.add(L::splat(fraction).mul(coarse.sub(sum)));
+        }
+        let sum = sum.store();
+        let rest = [sum[0] + sum[4], sum[1] + sum[5], sum[2] + sum[6], sum[3] + sum[7]];
+        let share = line.share;
+        [a + share * rest[0], b + share * rest[1], c + share * rest[2], d + share * rest[3]]
+    }
+
+    /// The weighted sum of probes on one level, less the reference.
+    #[inline(always)]
+    fn line_on<L: Lanes>(&self, place: [f64; 2], level: usize, line: &Line, reference: L) -> L {
+        let plane = &self.layers.planes[level];
+        let base = &self.layers.planes[0];
+        let [kx, ky] = self.scale[level];
+        let [wu, wv] = self.layers.wrap;
+        // Where a mirrored copy is entered the line runs the other way.
+        let (s, sign_s) = wu.reduce(place[0], base.width.into());
+        let (t, sign_t) = wv.reduce(place[1], base.height.into());
+        let (x, y) = (s * kx - 0.5, t * ky - 0.5);
+        let step = [sign_s * line.step[0] * kx, sign_t * line.step[1] * ky];
+        let half = f64::from(line.half);
+        let reach = [half * step[0].abs(), half * step[1].abs()];
+        let folds = [
+            Fold::new(wu, x, reach[0], plane.width, plane.columns),
+            Fold::new(wv, y, reach[1], plane.height, plane.rows),
+        ];
+        let mut sum = L::splat(0.0);
+        if let [Some(fold_x), Some(fold_y)] = folds
+            && reach[0] < NEAR
+            && reach[1] < NEAR
+            && plane.row < FAR as usize
+        {
+            let (i, j) = (floor(x), floor(y));
+            let places = Places {
+                x: (x - i as f64) as f32,
+                y: (y - j as f64) as f32,
+                texel: [i as i32, j as i32],
+                folds: [fold_x, fold_y],
+                step: step.map(|x| x as f32),
+                half: line.half,
+                outer: line.outer,
+                row: plane.row as i32,
+                lanes: plane.lanes as i32,
+            };
+            let count = 2 * line.half as usize + 1;
+            let mut first = 0;
+            while first < count {
+                let eight = places.eight(first as f32 - line.half);
+                for k in 0..(count - first).min(8) {
+                    let at = plane.origin.wrapping_add_signed(eight.offset[k]);
+                    let value = self.rows::<L>(level, at, eight.fraction[k]).sub(reference);
+                    sum = sum.add(value.mul(L::halves(eight.left[k], eight.right[k])));
+                }
+                first += 8;
+            }
+            return sum;
+        }
+        let mut i = -half;
+        while i <= half {
+            let (s, t) = self.on_level(level, place[0] + i * line.step[0], place[1] + i * line.step[1]);
+            let (x, y) = (floor(s - 0.5), floor(t - 0.5));
+            let fractions = [(s - 0.5 - x as f64) as f32, (t - 0.5 - y as f64) as f32];
+            let probe = self.column_at::<L>(level, [x as i32, y as i32], fractions);
+            let weight = if i.abs() < half { 1.0 } else { line.outer };
+            let right = weight * probe.fraction;
+            sum = sum.add(probe.sides.sub(reference).mul(L::halves(weight - right, right)));
+            i += 1.0;
+        }
+        sum
+    }
+}
+
+/// One axis of [`Reader::places`].
+#[inline(always)]
+fn along(
+    wrap: Wrap,
+    base: i32,
+    places: &[f64; BLOCK],
+    scale: &[f64; BLOCK],
+    size: &[f64; BLOCK],
+    texel: &mut [i32; BLOCK],
+    fraction: &mut [f32; BLOCK],
+) {
+    // 1.5 2^52: the sum with a whole number of 32 bits has it in its low bits.
+    const MAGIC: f64 = 6_755_399_441_055_744.0;
+    let n = f64::from(base);
+    let mut reduced = *places;
+    if wrap.period(n).is_some() || wrap == Wrap::MirrorOnce {
+        let outside = places.iter().fold(0, |any, x| any | i32::from(!(*x >= 0.0 && *x < n)));
+        if outside != 0 || wrap == Wrap::Mirror101 {
+            reduced.iter_mut().for_each(|x| *x = wrap.reduce(*x, n).0);
+        }
+    }
+    for i in 0..BLOCK {
+        let x = reduced[i] * scale[i];
+        // Beyond one texel outside, a wrap mode that does not repeat shows one colour.
+        let most = size[i] + 1.0;
+        let x = if x < most { x } else { most };
+        let x = if x > -1.0 { x } else { -1.0 };
+        let x = x - 0.5;
+        let whole = x.floor();
+        fraction[i] = (x - whole) as f32;
+        texel[i] = (whole + MAGIC).to_bits() as i32;
+    }
+}
+
+/// The columns of a probe blended.
+#[inline(always)]
+fn blended<L: Lanes>(probe: Column<L>) -> [f32; 4] {
+    let [a, b, c, d, e, f, g, h] = probe.sides.store();
+    lerp4([a, b, c, d], [e, f, g, h], probe.fraction)
+}
+
+/// Where texels of a level beyond its readable ones stand, along one axis. Left and right neighbour stay neighbours, as the
+/// apron has those beyond the edge.
+#[derive(Clone, Copy)]
+enum Fold {
+    /// There are none.
+    Inside,
+    /// Beyond the edge one colour: the apron's.
+    Edge(i32),
+    /// Periodic: texels of a period, and one over it.
+    Repeat(i32, f32),
+    /// Periodic, the second half backwards: texels in a picture, and half of one over it.
+    Mirror(i32, f32),
+}
+
+impl Fold {
+    /// For texels as far as `reach` from `x` on both sides; `None` where each has to be looked for on its own.
+    #[inline(always)]
+    fn new(wrap: Wrap, x: f64, reach: f64, n: i32, (first, last): (i32, i32)) -> Option<Self> {
+        // A little more than the line, for singles round.
+        if x - reach - 0.01 > first.into() && x + reach + 0.01 < last.into() {
+            return Some(Self::Inside);
+        }
+        if (first, last) != (-1, n) || n >= FAR || x.abs() >= FAR.into() {
+            return None;
+        }
+        match wrap {
+            Wrap::Clamp | Wrap::Extend => Some(Self::Edge(n)),
+            Wrap::Repeat => Some(Self::Repeat(n, 1.0 / n as f32)),
+            Wrap::Mirror => Some(Self::Mirror(n, 0.5 / n as f32)),
+            Wrap::MirrorOnce | Wrap::Mirror101 | Wrap::Border => None,
+        }
+    }
+
+    #[inline(always)]
+    fn fold(self, texel: &mut [i32; 8], fraction: &mut [f32; 8]) {
+        // Half a texel away from whole periods, the quotient's rounding cannot cross one.
+        let period = |x: i32, inverse: f32| whole(((x as f32 + 0.5) * inverse).floor());
+        match self {
+            Self::Inside => {}
+            Self::Edge(n) => {
+                for k in 0..8 {
+                    let x = texel[k];
+                    fraction[k] = if x < -1 { 0.0 } else { fraction[k] };
+                    fraction[k] = if x > n - 1 { 1.0 } else { fraction[k] };
+                    texel[k] = x.max(-1).min(n - 1);
+                }
+            }
+            Self::Repeat(n, inverse) => {
+                for x in texel {
+                    *x -= n * period(*x, inverse);
+                }
+            }
+            Self::Mirror(n, inverse) => {
+                for k in 0..8 {
+                    let x = texel[k] - 2 * n * period(texel[k], inverse);
+                    fraction[k] = if x < n { fraction[k] } else { 1.0 - fraction[k] };
+                    texel[k] = if x < n { x } else { 2 * n - 2 - x };
+                }
+            }
+        }
+    }
+}
+
+/// A line among the texels of a level.
+struct Places {
+    /// From `texel` to the middle of the line.
+    x: f32,
+    y: f32,
+    texel: [i32; 2],
+    folds: [Fold; 2],
+    step: [f32; 2],
+    half: f32,
+    outer: f32,
+    row: i32,
+    lanes: i32,
+}
+
+/// Eight probes of a line.
+struct Eight {
+    /// Elements from texel (0, 0) to that left of and above the probe.
+    offset: [isize; 8],
+    /// How far the probe is below that texel.
+    fraction: [f32; 8],
+    /// Weights of the left and right column.
+    left: [f32; 8],
+    right: [f32; 8],
+}
+
+impl Places {
+    /// Probes from number `first` on; the middle one is 0.
+    #[inline(always)]
+    fn eight(&self, first: f32) -> Eight {
+        let (mut column, mut row, mut fx, mut fy) = ([0; 8], [0; 8], [0.0; 8], [0.0; 8]);
+        let (mut left, mut right) = ([0.0; 8], [0.0; 8]);
+        for k in 0..8 {
+            let i = first + k as f32;
+            let (x, y) = (self.x + i * self.step[0], self.y + i * self.step[1]);
+            let (i, j) = (x.floor(), y.floor());
+            (fx[k], fy[k]) = (x - i, y - j);
+            (column[k], row[k]) = (self.texel[0] + whole(i), self.texel[1] + whole(j));
+        }
+        self.folds[0].fold(&mut column, &mut fx);
+        self.folds[1].fold(&mut row, &mut fy);
+        for k in 0..8 {
+            let i = first + k as f32;
+            let weight = if i.abs() < self.half { 1.0 } else { self.outer };
+            right[k] = weight * fx[k];
+            left[k] = weight - right[k];
+        }
+        let offset =
+            std::array::from_fn(|k| row[k] as isize * self.row as isize + (column[k] * self.lanes) as isize);
+        Eight { offset, fraction: fy, left, right }
+    }
+}
+
+/// A whole number below 2^22 in size, as such: one addition, and no care for what is not finite.
+#[inline(always)]
+fn whole(x: f32) -> i32 {
+    const MAGIC: f32 = 12_582_912.0;
+    (x + MAGIC).to_bits() as i32 - MAGIC.to_bits() as i32
+}
