@@ -370,6 +370,8 @@ impl Fold {
     /// For texels as far as `reach` from `x` on both sides; `None` where each has to be looked for on its own.
     #[inline(always)]
     fn new(wrap: Wrap, x: f64, reach: f64, n: i32, (first, last): (i32, i32)) -> Option<Self> {
+        // This mode turns at the centres of level 0's outer texels, which coarser levels have within theirs.
+        let (first, last) = if wrap == Wrap::Mirror101 { (0, n - 1) } else { (first, last) };
         // A little more than the line, for singles round.
         if x - reach - 0.01 > first.into() && x + reach + 0.01 < last.into() {
             return Some(Self::Inside);
