@@ -47,7 +47,10 @@ def contestants():
         except ImportError as error:
             print(f"without {module}: {error}")
             continue
-        found |= {(peer.FAMILY.rpartition(" ")[0] if module == "oiio" else peer.FAMILY, m.name): m for m in peer.METHODS}
+        found |= {
+            (peer.FAMILY.rpartition(" ")[0] if module == "oiio" else peer.FAMILY, m.name): m
+            for m in peer.METHODS
+        }
     return found
 
 

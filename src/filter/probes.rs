@@ -145,8 +145,8 @@ impl Probes {
             lod[i] = samples.lod[i].unwrap_or_default();
             levels.lines.half[i] = 0.0;
         }
-        for i in 0..BLOCK {
-            let clamped = lod::clamp(lod[i] + self.lod_bias, last);
+        for (i, lod) in lod.into_iter().enumerate() {
+            let clamped = lod::clamp(lod + self.lod_bias, last);
             // Not negative, so truncation is floor.
             levels.level[i] = clamped as i32;
             levels.fraction[i] = clamped - levels.level[i] as f32;
