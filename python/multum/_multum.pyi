@@ -134,6 +134,54 @@ def map_minifies(
     width: int,
     height: int,
 ) -> bool: ...
+def cv2_remap(
+    src: Any,
+    map1: Any,
+    map2: Any,
+    flags: int,
+    dst: Any,
+    border: int,
+    value: Any,
+    antialias: bool,
+) -> NDArray[Any] | None: ...
+def cv2_warp(
+    src: Any,
+    m: Any,
+    rows: int,
+    dsize: Any,
+    dst: Any,
+    flags: int,
+    border: int,
+    value: Any,
+    antialias: bool,
+) -> NDArray[Any] | None: ...
+def cv2_inverse(matrix: NDArray[np.float64]) -> NDArray[np.float64]: ...
+def cv2_patch(src: Any, size: Any, center: Any, dst: Any) -> NDArray[Any] | None: ...
+def cv2_polar(
+    src: Any,
+    width: int,
+    height: int,
+    dsize: tuple[int, int],
+    center: tuple[float, float],
+    radius: float,
+    flags: int,
+    dst: Any,
+    antialias: bool,
+) -> NDArray[Any] | None: ...
+def cv2_polar_map(
+    width: int,
+    height: int,
+    dsize: tuple[int, int],
+    center: tuple[float, float],
+    radius: float,
+    flags: int,
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]: ...
+def cv2_resize(
+    src: Any, dsize: Any, dst: Any, fx: float, fy: float, interpolation: int, antialias: bool
+) -> NDArray[Any] | None: ...
+def cv2_convert(
+    first: NDArray[Any], second: NDArray[Any] | None, kind: int, nearest: bool
+) -> tuple[NDArray[Any], NDArray[Any] | None]: ...
 def cv2_pyramid(
     src: Any, dst: Any, size: Sequence[int] | None, border: int, enlarge: bool
 ) -> NDArray[Any] | None: ...

@@ -39,13 +39,29 @@ impl Scene {
     /// another kind.
     pub fn open(path: impl AsRef<Path>, normals: Normals) -> Result<Self> {
         let path = path.as_ref();
-        let bytes = read_file(path)?;
+        Self::decode(path, &read_file(path)?, normals)
+    }
+
+    /// As [`Scene::open`], of a file's content; `path` tells its kind and the folder of the files that it names.
+    ///
+    /// # Errors
+    /// As [`Scene::open`].
+    ///
+    /// ```
+    /// use multum::mesh::{Normals, Scene};
+    /// let triangle = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    /// let scene = Scene::decode("triangle.obj", triangle, Normals::Auto)?;
+    /// assert_eq!(scene.mesh.faces, [[0, 1, 2]]);
+    /// # Ok::<(), multum::Error>(())
+    /// ```
+    pub fn decode(path: impl AsRef<Path>, bytes: &[u8], normals: Normals) -> Result<Self> {
+        let path = path.as_ref();
         let folder = path.parent().unwrap_or(Path::new(""));
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         let read = match extension.as_deref() {
-            _ if bytes.starts_with(b"glTF") => gltf::load(folder, &bytes, normals),
-            Some("gltf" | "glb") => gltf::load(folder, &bytes, normals),
-            Some("obj") => obj::load(folder, &bytes, normals).map(|mesh| Self { mesh, ..Self::default() }),
+            _ if bytes.starts_with(b"glTF") => gltf::load(folder, bytes, normals),
+            Some("gltf" | "glb") => gltf::load(folder, bytes, normals),
+            Some("obj") => obj::load(folder, bytes, normals).map(|mesh| Self { mesh, ..Self::default() }),
             _ => Err("an unknown kind of mesh; .gltf, .glb and .obj files are read".into()),
         };
         let scene = read.map_err(|message| Error::File { path: path.to_owned(), message })?;

@@ -10,6 +10,7 @@ use numpy::{
     PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
+use std::ops::Range;
 
 /// How to read, as the front end writes it.
 #[derive(FromPyObject)]
@@ -55,6 +56,7 @@ impl Manner {
             ("whole", Grid::Whole),
             ("thirtyseconds", Grid::Thirtyseconds),
             ("accumulated", Grid::Accumulated),
+            ("accumulated_whole", Grid::AccumulatedWhole),
         ];
         named("grid", &self.grid, &table)
     }
@@ -91,14 +93,14 @@ pub(super) fn packed<'a, T: Element>(
 }
 
 /// A borrowed map.
-enum MapArrays<'py> {
+pub(super) enum MapArrays<'py> {
     Single(PyReadonlyArrayDyn<'py, f32>, Option<PyReadonlyArrayDyn<'py, f32>>),
     Double(PyReadonlyArrayDyn<'py, f64>, Option<PyReadonlyArrayDyn<'py, f64>>),
     Fixed(PyReadonlyArrayDyn<'py, i16>, Option<PyReadonlyArrayDyn<'py, u16>>),
 }
 
 impl<'py> MapArrays<'py> {
-    fn new(
+    pub(super) fn new(
         first: &Bound<'py, PyUntypedArray>,
         second: Option<&Bound<'py, PyUntypedArray>>,
     ) -> PyResult<Self> {
@@ -114,7 +116,20 @@ impl<'py> MapArrays<'py> {
         })
     }
 
-    fn map(&self) -> Result<Map<'_>> {
+    /// The memory of its arrays.
+    pub(super) fn spans(&self) -> [Range<usize>; 2] {
+        fn span<T: Element>(array: Option<&PyReadonlyArrayDyn<'_, T>>) -> Range<usize> {
+            let from = array.map_or(0, |a| a.data().addr());
+            from..from + array.map_or(0, |a| a.len()) * size_of::<T>()
+        }
+        match self {
+            Self::Single(x, y) => [span(Some(x)), span(y.as_ref())],
+            Self::Double(x, y) => [span(Some(x)), span(y.as_ref())],
+            Self::Fixed(pairs, codes) => [span(Some(pairs)), span(codes.as_ref())],
+        }
+    }
+
+    pub(super) fn map(&self) -> Result<Map<'_>> {
         Ok(match self {
             Self::Single(x, Some(y)) => Map::Single(packed("map_x", x)?, packed("map_y", y)?),
             Self::Single(pairs, None) => Map::SinglePairs(packed("map", pairs)?),

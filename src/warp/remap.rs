@@ -30,7 +30,8 @@ pub enum Map<'a> {
 }
 
 impl Map<'_> {
-    fn fits(&self, pixels: usize) -> bool {
+    /// Whether there is a position for each of so many pixels.
+    pub fn fits(&self, pixels: usize) -> bool {
         match self {
             Self::Single(x, y) => x.len() == pixels && y.len() == pixels,
             Self::Double(x, y) => x.len() == pixels && y.len() == pixels,
@@ -145,7 +146,11 @@ pub fn interpolate<T: Sample>(
     if !map.fits(pixels) {
         return Err(Error::value("map", format!("{map:.0?}"), format!("{pixels} positions")));
     }
-    let grid = if job.interpolation() == Interpolation::Nearest { Grid::Whole } else { grid };
+    let grid = match (job.interpolation(), grid) {
+        (Interpolation::Nearest, Grid::AccumulatedWhole) => grid,
+        (Interpolation::Nearest, _) => Grid::Whole,
+        _ => grid,
+    };
     let isa = Isa::current();
     let rows = (BAND / width).max(1);
     let bands = out.chunks_mut(rows * row);

@@ -1,7 +1,11 @@
 //! OpenCV's own arithmetic, of its version 5: rounding, borders and sizes as there.
 
+pub mod area;
 pub mod integral;
+pub mod maps;
 pub mod pyramid;
+pub mod read;
+pub mod resize;
 pub mod undistort;
 
 use crate::error::{Error, Result};

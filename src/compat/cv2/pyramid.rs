@@ -28,6 +28,8 @@ pub trait Element: Copy + Default + Send + Sync + 'static {
     fn five(v: [Self::Sum; 5]) -> Self::Sum;
     /// `a + 6 b + c`
     fn three(v: [Self::Sum; 3]) -> Self::Sum;
+    /// `(a + b) + (c + d)`
+    fn four(v: [Self::Sum; 4]) -> Self::Sum;
     /// `4 (a + b)`
     fn two(v: [Self::Sum; 2]) -> Self::Sum;
     /// The element as a sum.
@@ -47,6 +49,10 @@ macro_rules! element {
             #[inline(always)]
             fn three([a, b, c]: [$sum; 3]) -> $sum {
                 a + c + b * (6 as $sum)
+            }
+            #[inline(always)]
+            fn four([a, b, c, d]: [$sum; 4]) -> $sum {
+                (a + b) + (c + d)
             }
             #[inline(always)]
             fn two([a, b]: [$sum; 2]) -> $sum {

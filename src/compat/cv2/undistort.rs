@@ -145,7 +145,8 @@ impl Camera {
                     for (i, (pair, code)) in pairs.chunks_exact_mut(2).zip(codes).enumerate() {
                         let (u, v) = at(band, i);
                         let (u, v) = (thirtyseconds(u), thirtyseconds(v));
-                        pair.copy_from_slice(&[short(u >> 5), short(v >> 5)]);
+                        // As there, whole pixels beyond 16 bits lose their upper bits.
+                        pair.copy_from_slice(&[(u >> 5) as i16, (v >> 5) as i16]);
                         *code = ((v & 31) * 32 + (u & 31)) as u16;
                     }
                     Ok(())
@@ -161,11 +162,6 @@ impl Camera {
 pub fn thirtyseconds(v: f64) -> i32 {
     let steps = (v * 32.0).round_ties_even();
     if (-2_147_483_648.0..2_147_483_648.0).contains(&steps) { steps as i32 } else { i32::MIN }
-}
-
-#[inline(always)]
-fn short(v: i32) -> i16 {
-    v.clamp(-32768, 32767) as i16
 }
 
 #[cfg(test)]

@@ -19,6 +19,9 @@ pub enum Grid {
     /// Multiples of 1/32 pixel as fixed-point affine warps reach them: `m00 x` and `m01 y + m02` are rounded
     /// to 1/1024 one by one, and their sum to 1/32, ties up. Only for matrices; else as `Thirtyseconds`.
     Accumulated,
+    /// Whole pixels as fixed-point affine warps reach them: as `Accumulated`, but the sum is rounded to 1. Only
+    /// for matrices; else as `Whole`.
+    AccumulatedWhole,
 }
 
 /// A block of positions, taken apart.
@@ -83,7 +86,7 @@ macro_rules! place_all {
                     place($buffer, $i, x, y);
                 }
             }
-            Grid::Whole => {
+            Grid::Whole | Grid::AccumulatedWhole => {
                 for $i in 0..$n.min(N) {
                     let (x, y) = $at;
                     place($buffer, $i, x.round_ties_even(), y.round_ties_even());
@@ -119,6 +122,15 @@ fn matrix_with<A: Real, const N: usize>(
         place_all!(buffer, Grid::Exact, n, |i| {
             let x = x0 + f64::from(i as u32);
             (snap(fixed(m[0] * x) + bx), snap(fixed(m[3] * x) + by))
+        });
+    } else if affine && grid == Grid::AccumulatedWhole {
+        let (bx, by) = (fixed(cx) + 512.0, fixed(cy) + 512.0);
+        place_all!(buffer, Grid::Exact, n, |i| {
+            let x = x0 + f64::from(i as u32);
+            (
+                ((fixed(m[0] * x) + bx) * (1.0 / 1024.0)).floor(),
+                ((fixed(m[3] * x) + by) * (1.0 / 1024.0)).floor(),
+            )
         });
     } else if affine {
         place_all!(buffer, grid, n, |i| {
@@ -284,7 +296,9 @@ mod tests {
             [1e300, 0.0, 0.0, 0.0, 1e300, f64::NAN, 0.0, 1e-300, 0.0],
         ];
         for m in &matrices {
-            for grid in [Grid::Exact, Grid::Whole, Grid::Thirtyseconds, Grid::Accumulated] {
+            for grid in
+                [Grid::Exact, Grid::Whole, Grid::Thirtyseconds, Grid::Accumulated, Grid::AccumulatedWhole]
+            {
                 let mut buffers = Isa::available().into_iter().map(|isa| {
                     let mut buffer = Buffer::<f32, CHUNK>::new();
                     buffer.matrix(isa, grid, m, 5.0, 77.0, 67);

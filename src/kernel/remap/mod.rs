@@ -145,7 +145,8 @@ pub enum Outside {
     /// Taps there have the colour that the output pixel already has.
     Previous,
     /// An output pixel stays as it is where the pixel left of and above its position, or for
-    /// [`Interpolation::Nearest`] the nearest one, is there; other taps are mirrored as [`Edge::Mirror101`].
+    /// [`Interpolation::Nearest`] the nearest one, is there; other taps go on as [`Edge::Clamp`] for
+    /// [`Interpolation::Bilinear`], else as [`Edge::Mirror101`].
     Keep,
 }
 

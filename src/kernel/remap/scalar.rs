@@ -184,7 +184,7 @@ fn beyond<T: Sample, const K: usize>(
         if (0..2).any(|axis| at[axis] < 0 || i64::from(at[axis]) >= size[axis]) {
             return;
         }
-        edges = [Edge::Mirror101; 2];
+        edges = [if K == 2 { Edge::Clamp } else { Edge::Mirror101 }; 2];
     }
     let [columns, rows]: [[Option<usize>; K]; 2] = std::array::from_fn(|axis| {
         let first = i64::from(at[axis]) - i64::from(before);

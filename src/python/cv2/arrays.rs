@@ -1,14 +1,22 @@
 //! Arrays as they lie, or not at all.
 
 use crate::compat::cv2::Rows;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::python::convert::work;
 use numpy::{
     Element, PyArray, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray,
     PyUntypedArrayMethods,
 };
 use pyo3::PyTypeInfo;
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 use std::ops::Range;
+
+/// Elements of output below which the interpreter is not let go: it would take longer than the work.
+const SMALL: usize = 1 << 14;
+
+/// A result, or `None` where the arguments are not in the form that is read.
+pub type Answer<'py> = PyResult<Option<Bound<'py, PyAny>>>;
 
 /// Element types of images.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -157,4 +165,60 @@ pub fn target<'py, T: Element>(
     // NumPy raises MemoryError where this much cannot be had.
     let made = py.import("numpy")?.call_method1("empty", (flat.into_pyobject(py)?, T::get_dtype(py)))?;
     Ok(Some(made.cast_into()?))
+}
+
+/// Runs work on an output's elements.
+pub fn fill<'py, T: Element, R: Send>(
+    py: Python<'py>,
+    out: &Bound<'py, PyArrayDyn<T>>,
+    job: impl FnOnce(&mut [T]) -> Result<R> + Send,
+) -> PyResult<R> {
+    let mut borrowed = out.try_readwrite().map_err(|e| Error::value("dst", e, "a writable array"))?;
+    let slice = borrowed.as_slice_mut().map_err(|e| Error::value("dst", e, "C-contiguous memory"))?;
+    if slice.len() < SMALL { Ok(job(slice)?) } else { work(py, None, || job(slice)) }
+}
+
+/// Two whole numbers of a tuple or list.
+pub fn pair(value: &Bound<'_, PyAny>) -> Option<[i64; 2]> {
+    value.extract::<(i64, i64)>().ok().map(|(a, b)| [a, b])
+}
+
+/// A colour of up to four numbers, as OpenCV's scalars are written: nothing, one number, or a tuple.
+pub fn scalar(value: Option<&Bound<'_, PyAny>>) -> Option<[f64; 4]> {
+    let mut colour = [0.0; 4];
+    let Some(value) = value.filter(|v| !v.is_none()) else { return Some(colour) };
+    if let Ok(tuple) = value.cast::<PyTuple>() {
+        if tuple.len() > 4 {
+            return None;
+        }
+        for (place, number) in colour.iter_mut().zip(tuple.iter_borrowed()) {
+            *place = number.extract().ok()?;
+        }
+        return Some(colour);
+    }
+    // Arrays of one number extract, too: they are for the front end.
+    if array(value).is_some() {
+        return None;
+    }
+    colour[0] = value.extract().ok()?;
+    Some(colour)
+}
+
+/// A matrix of `rows` x 3 singles or doubles, filled up by (0, 0, 1).
+pub fn matrix(value: &Bound<'_, PyAny>, rows: usize) -> Option<[f64; 9]> {
+    let array = array(value)?;
+    if array.shape() != [rows, 3] || !array.is_c_contiguous() || !array.is_aligned() {
+        return None;
+    }
+    let mut matrix = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+    if let Ok(doubles) = array.cast::<PyArrayDyn<f64>>() {
+        let doubles = doubles.try_readonly().ok()?;
+        matrix[..3 * rows].copy_from_slice(doubles.as_slice().ok()?);
+    } else {
+        let singles = array.cast::<PyArrayDyn<f32>>().ok()?.try_readonly().ok()?;
+        for (place, &number) in matrix.iter_mut().zip(singles.as_slice().ok()?) {
+            *place = f64::from(number);
+        }
+    }
+    Some(matrix)
 }

@@ -6,11 +6,17 @@
 //! calls again. So an ordinary call costs one step from Python to here.
 
 mod arrays;
+mod maps;
+mod resize;
 mod tables;
+mod warps;
 
 use pyo3::prelude::*;
 
 /// Adds this topic to the module.
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    tables::register(module)
+    maps::register(module)?;
+    resize::register(module)?;
+    tables::register(module)?;
+    warps::register(module)
 }

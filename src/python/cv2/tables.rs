@@ -1,6 +1,6 @@
 //! `pyrDown`, `pyrUp`, `integral`, undistortion maps.
 
-use super::arrays::{Kind, Picture, array, for_kind, kind, target};
+use super::arrays::{Answer, Kind, Picture, array, fill, for_kind, kind, target};
 use crate::compat::cv2::integral::{Stored, Sum, Term, tilted, upright};
 use crate::compat::cv2::pyramid::{Element as Smooth, down, up};
 use crate::compat::cv2::undistort::{Camera, Lens, Target, tilt};
@@ -10,16 +10,6 @@ use crate::wrap::Wrap;
 use numpy::{Element, PyArrayDyn, PyArrayMethods, PyUntypedArray};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-
-/// Elements of output below which the interpreter is not let go: it would take longer than the work.
-const SMALL: usize = 1 << 14;
-
-type Answer<'py> = PyResult<Option<Bound<'py, PyAny>>>;
-
-/// Runs work on outputs of this many elements.
-fn run(py: Python<'_>, elements: usize, job: impl FnOnce() -> Result<()> + Send) -> PyResult<()> {
-    if elements < SMALL { Ok(job()?) } else { work(py, None, job) }
-}
 
 /// The wrap mode of a border flag that shows pixels.
 fn wrap(border: i32) -> Result<Wrap> {
@@ -76,17 +66,6 @@ fn pyramid_of<'py, T: Element + Smooth>(
     };
     fill(py, &out, |out| if enlarge { up(rows, size, out) } else { down(rows, wrap, size, out) })?;
     Ok(Some(out.into_any()))
-}
-
-/// Runs work on an output's elements.
-fn fill<T: Element>(
-    py: Python<'_>,
-    out: &Bound<'_, PyArrayDyn<T>>,
-    job: impl FnOnce(&mut [T]) -> Result<()> + Send,
-) -> PyResult<()> {
-    let mut borrowed = out.try_readwrite().map_err(|e| Error::value("dst", e, "a writable array"))?;
-    let slice = borrowed.as_slice_mut().map_err(|e| Error::value("dst", e, "C-contiguous memory"))?;
-    run(py, slice.len(), || job(slice))
 }
 
 /// `pyrDown`, or with `enlarge` `pyrUp`.

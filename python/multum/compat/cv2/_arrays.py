@@ -111,14 +111,18 @@ def maps(map1: Any, map2: Any) -> tuple[Array, Array | None]:
 
 
 def target(
-    dst: Array | None, shape: tuple[int, ...], dtype: np.dtype[Any], source: Array, keep: bool
+    dst: Array | None,
+    shape: tuple[int, ...],
+    dtype: np.dtype[Any],
+    inputs: Sequence[Array | None],
+    keep: bool,
 ) -> Array:
     """An array (H, W, C) to work in: ``dst`` itself where that can be, with its content where ``keep``."""
     flat = shape[:2] if shape[2] == 1 else shape
     usable = isinstance(dst, np.ndarray) and dst.shape in (flat, shape) and dst.dtype == dtype
     if usable and dst is not None:
         clean = dst.flags.c_contiguous and dst.flags.writeable and dst.dtype.isnative
-        if clean and not np.may_share_memory(dst, source):
+        if clean and not any(given is not None and np.may_share_memory(dst, given) for given in inputs):
             return dst.reshape(shape)
         if keep:
             return np.ascontiguousarray(dst, dtype.newbyteorder("=")).reshape(shape).copy()

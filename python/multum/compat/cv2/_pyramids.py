@@ -1,5 +1,6 @@
 """``pyrDown``, ``pyrUp``, ``buildPyramid``."""
 
+import operator
 from collections.abc import Sequence
 from typing import Any
 
@@ -126,11 +127,16 @@ def buildPyramid(
     >>> [level.shape for level in cv2.buildPyramid(np.zeros((9, 6), np.uint8), 3)]
     [(9, 6), (5, 3), (3, 2), (2, 1)]
     """
-    if maxlevel < 0 or maxlevel > 64:
-        raise error(f"maxlevel: got {maxlevel}, expected 0 to 64")
-    levels = [np.asarray(src)]
-    _arrays.image("src", levels[0])
-    for level in range(maxlevel):
-        into = dst[level] if dst is not None and level < len(dst) else None
-        levels.append(pyrDown(levels[-1], into, borderType=borderType))
-    return levels
+    try:
+        count = operator.index(maxlevel)
+        if not 0 <= count <= 64:
+            raise error(f"maxlevel: got {maxlevel}, expected 0 to 64")
+        levels = [np.asarray(src)]
+        if levels[0].ndim not in (2, 3) or levels[0].size == 0:
+            raise error(f"src: got shape {levels[0].shape}, expected (H, W) or (H, W, C) without empty axes")
+        for level in range(count):
+            into = dst[level] if dst is not None and level < len(dst) else None
+            levels.append(pyrDown(levels[-1], into, borderType=borderType))
+        return levels
+    except REFUSALS as reason:
+        raise refusal(reason) from None

@@ -5,17 +5,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ... import _multum
 from . import _arrays
-from ._arrays import Array, error
-from ._constants import (
-    ALGO_HINT_DEFAULT,
-    BORDER_CONSTANT,
-    CV_16SC2,
-    CV_32FC1,
-    CV_32FC2,
-    INTER_TAB_SIZE,
-    WARP_RELATIVE_MAP,
-)
+from ._arrays import Array
+from ._call import REFUSALS, receivers, refusal, settle
+from ._constants import ALGO_HINT_DEFAULT, BORDER_CONSTANT, WARP_RELATIVE_MAP
 from ._resample import Places, resample
 
 
@@ -67,20 +61,30 @@ def remap(
     >>> cv2.remap(np.uint8([[10, 20]]), x, y, cv2.INTER_LINEAR).tolist()
     [[10, 15, 20]]
     """
+    try:
+        made: Array | None = _multum.cv2_remap(
+            src, map1, map2, interpolation, dst, borderMode, borderValue, antialias
+        )
+        if made is not None:
+            return made
+        receivers(("dst", dst))
+        places, kind = _places(map1, map2, interpolation)
+        return resample(src, places, kind, dst, borderMode, borderValue, antialias)
+    except REFUSALS as reason:
+        raise refusal(reason) from None
+
+
+def _places(map1: ArrayLike, map2: ArrayLike | None, flags: int) -> tuple[Places, int]:
+    """Where a map leads, and the interpolation."""
     first, second = _arrays.maps(map1, map2)
-    if interpolation & WARP_RELATIVE_MAP:
+    if flags & WARP_RELATIVE_MAP:
         across = np.arange(first.shape[1], dtype=first.dtype)
         down = np.arange(first.shape[0], dtype=first.dtype)[:, np.newaxis]
         if first.ndim == 3:
             first = first + np.stack(np.broadcast_arrays(across, down), -1)
         elif second is not None:
             first, second = first + across, second + down
-        interpolation -= WARP_RELATIVE_MAP
-    places = Places((first.shape[1], first.shape[0]), first, second)
-    if first.dtype == np.int16:
-        # The codes are the grid.
-        return resample(src, places, interpolation, dst, borderMode, borderValue, antialias, exact=False)
-    return resample(src, places, interpolation, dst, borderMode, borderValue, antialias)
+    return Places((first.shape[1], first.shape[0]), first, second), flags & ~WARP_RELATIVE_MAP
 
 
 def convertMaps(
@@ -104,20 +108,10 @@ def convertMaps(
     >>> whole.tolist(), codes.tolist()
     ([[[1, 2]]], [[272]])
     """
-    first, second = _arrays.maps(map1, map2)
-    pairs = Places((first.shape[1], first.shape[0]), first, second).mapping()
-    if dstmap1type == CV_16SC2:
-        steps = 1 if nninterpolation else INTER_TAB_SIZE
-        fixed = np.rint(pairs.astype(np.float64) * steps).clip(-(2.0**31), 2.0**31 - 1)
-        fixed = np.nan_to_num(fixed, nan=-(2.0**31)).astype(np.int64)
-        whole = (fixed // steps).clip(-32768, 32767).astype(np.int16)
-        if nninterpolation:
-            return whole, None
-        rest = (fixed & (steps - 1)).astype(np.uint16)
-        return whole, rest[..., 1] * np.uint16(steps) + rest[..., 0]
-    if dstmap1type == CV_32FC2:
-        return pairs.astype(np.float32), None
-    if dstmap1type == CV_32FC1:
-        single = pairs.astype(np.float32)
-        return np.ascontiguousarray(single[..., 0]), np.ascontiguousarray(single[..., 1])
-    raise error(f"dstmap1type: got {dstmap1type}, expected CV_16SC2, CV_32FC1 or CV_32FC2")
+    try:
+        receivers(("dstmap1", dstmap1), ("dstmap2", dstmap2))
+        first, second = _arrays.maps(map1, map2)
+        one, two = _multum.cv2_convert(first, second, dstmap1type, nninterpolation)
+        return settle(one, dstmap1), None if two is None else settle(two, dstmap2)
+    except REFUSALS as reason:
+        raise refusal(reason) from None

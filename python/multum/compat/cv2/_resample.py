@@ -122,7 +122,8 @@ def resample(
     colour = _arrays.border_colour(border_value, channels)
     dtype = source.dtype
     transparent = border_mode & ~BORDER_ISOLATED == BORDER_TRANSPARENT
-    work = _arrays.target(dst, (places.size[1], places.size[0], channels), dtype, source, transparent)
+    inputs = (source, places.first, places.second)
+    work = _arrays.target(dst, (places.size[1], places.size[0], channels), dtype, inputs, transparent)
     if dtype not in _arrays.KERNEL_TYPES:
         # Only copied: the bits travel as another type.
         carrier = _arrays.CARRIERS[dtype.itemsize]
@@ -131,23 +132,20 @@ def resample(
         source, carried = source.view(carrier), work.view(carrier)
     else:
         carried = work
-    # OpenCV's own linear interpolation is exact for these, and in steps of 1/32 pixel for others.
-    fine = (
-        exact
-        or kind in ("nearest", "bicubic")
-        or (
-            kind == "bilinear"
-            and dtype.type in _arrays.EXACT_LINEAR
-            and channels in _arrays.CHANNELS_OF_EXACT_LINEAR
-        )
-    )
+    # OpenCV's own linear and nearest interpolation is exact for these, and in fixed point for others.
+    direct = dtype.type in _arrays.EXACT_LINEAR and channels in _arrays.CHANNELS_OF_EXACT_LINEAR
+    if places.first is not None and places.first.dtype == np.int16:
+        direct = False
+    fine = exact or kind in ("nearest", "bicubic") or (kind == "bilinear" and direct)
+    if kind == "nearest" and direct:
+        quantised = "exact"
     outside = "colour"
     if transparent:
         outside = "previous" if fine and kind != "nearest" else "keep"
     manner = {
         "interpolation": kind,
         "slope": -0.75,
-        "grid": "exact" if fine else quantised,
+        "grid": _grid(kind, fine, quantised),
         "wrap": (wrap, wrap),
         "outside": outside,
         "border": colour,
@@ -157,6 +155,13 @@ def resample(
     if antialias and kind != "nearest" and places.minify():
         _filter(source, places, kind, wrap, colour, transparent, work)
     return _arrays.delivered(work, dst)
+
+
+def _grid(kind: str, fine: bool, quantised: str) -> str:
+    """Which positions there are."""
+    if kind == "nearest" and quantised == "accumulated":
+        return "accumulated_whole"
+    return "exact" if fine else quantised
 
 
 def output_size(dsize: Sequence[int], src: ArrayLike) -> tuple[int, int]:

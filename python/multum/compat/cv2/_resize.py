@@ -3,15 +3,14 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ... import _multum
 from . import _arrays
-from ._arrays import Array, error, limits
+from ._arrays import Array
+from ._call import REFUSALS, receivers, refusal, settle
 from ._constants import (
     BORDER_REPLICATE,
-    INTER_AREA,
-    INTER_CUBIC,
-    INTER_LANCZOS4,
     INTER_LINEAR,
     INTER_LINEAR_EXACT,
     INTER_NEAREST,
@@ -42,83 +41,45 @@ def resize(
     >>> cv2.resize(np.uint8([[0, 10, 20, 30]]), (2, 1), interpolation=cv2.INTER_AREA).tolist()
     [[5, 25]]
     """
+    try:
+        made: Array | None = _multum.cv2_resize(src, dsize, dst, fx, fy, interpolation, antialias)
+        if made is not None:
+            return made
+        receivers(("dst", dst))
+        return _resized(src, dsize, dst, (fx, fy), interpolation, antialias)
+    except REFUSALS as reason:
+        raise refusal(reason) from None
+
+
+def _resized(
+    src: ArrayLike,
+    dsize: Sequence[int] | None,
+    dst: Array | None,
+    factors: tuple[float, float],
+    interpolation: int,
+    antialias: bool,
+) -> Array:
+    """The same for arguments that must be brought into order first, and for filtered cubic and Lanczos."""
     source = _arrays.image("src", src, nearest=interpolation in (INTER_NEAREST, INTER_NEAREST_EXACT))
-    height, width = source.shape[:2]
-    scaled = None
-    if fx > 0 and fy > 0:
-        scaled = (max(1, round(width * fx)), max(1, round(height * fy)))
-    w, h = _arrays.size("dsize", dsize, scaled)
-    given = dsize is not None and tuple(dsize) != (0, 0)
-    sx, sy = (width / w, height / h) if given else (1 / fx, 1 / fy)
-    shrinks = sx >= 1 and sy >= 1 and sx * sy > 1
-    if interpolation == INTER_AREA and shrinks:
-        return _arrays.delivered(_area(source, w, h, sx, sy), dst)
-    if interpolation == INTER_LINEAR and sx == 2 and sy == 2:
-        return _arrays.delivered(_area(source, w, h, sx, sy), dst)
-    if interpolation in (INTER_NEAREST, INTER_NEAREST_EXACT):
-        if interpolation == INTER_NEAREST:
-            # The factor is rounded before its inverse is taken, as OpenCV does.
-            xs = np.floor(np.arange(w) * (1 / (w / width))).astype(np.int64).clip(0, width - 1)
-            ys = np.floor(np.arange(h) * (1 / (h / height))).astype(np.int64).clip(0, height - 1)
-        else:
-            xs, ys = _nearest_exact(width, w), _nearest_exact(height, h)
-        return _arrays.delivered(source[ys[:, np.newaxis], xs], dst)
-    kinds = {
-        INTER_LINEAR: INTER_LINEAR,
-        INTER_LINEAR_EXACT: INTER_LINEAR,
-        INTER_CUBIC: INTER_CUBIC,
-        INTER_LANCZOS4: INTER_LANCZOS4,
-    }
-    if interpolation == INTER_AREA:
-        matrix = None
-        first, second = _area_enlarged(width, w, sx), _area_enlarged(height, h, sy)
-        x, y = (np.ascontiguousarray(v) for v in np.broadcast_arrays(first, second[:, np.newaxis]))
-        places = Places((w, h), x, y)
-        return resample(source, places, INTER_LINEAR, dst, BORDER_REPLICATE, None, False, exact=True)
-    if interpolation not in kinds:
-        raise error(
-            f"interpolation: got {interpolation}, expected one of INTER_NEAREST to INTER_NEAREST_EXACT"
-        )
-    matrix = np.array([[sx, 0.0, 0.5 * sx - 0.5], [0.0, sy, 0.5 * sy - 0.5], [0.0, 0.0, 1.0]])
-    places = Places((w, h), matrix=matrix)
-    kind = kinds[interpolation]
+    size = _arrays.size("dsize", dsize, (0, 0))
+    given = None if size == (0, 0) else size
+    carrier = source
+    if source.dtype not in _arrays.KERNEL_TYPES:
+        # Only copied: the bits travel as another type.
+        carrier = source.view(_arrays.CARRIERS[source.dtype.itemsize])
+    made: Array | None = _multum.cv2_resize(carrier, given, None, *factors, interpolation, antialias)
+    if made is not None:
+        return settle(made.view(source.dtype), dst)
+    plain = _arrays.made(_multum.cv2_resize(carrier, given, None, *factors, interpolation, False))
+    h, w = plain.shape[:2]
+    scale = (
+        [1 / f for f in factors]
+        if given is None
+        else [n / m for n, m in zip(source.shape[1::-1], (w, h), strict=True)]
+    )
+    sx, sy = scale
+    places = Places(
+        (w, h), matrix=np.array([[sx, 0.0, 0.5 * sx - 0.5], [0.0, sy, 0.5 * sy - 0.5], [0.0, 0.0, 1.0]])
+    )
+    kind = INTER_LINEAR if interpolation == INTER_LINEAR_EXACT else interpolation
     return resample(source, places, kind, dst, BORDER_REPLICATE, None, antialias, exact=True)
-
-
-def _nearest_exact(n: int, m: int) -> NDArray[np.int64]:
-    """For each of ``m`` output pixels the one of ``n`` that holds its centre."""
-    found: NDArray[np.int64] = (2 * np.arange(m, dtype=np.int64) + 1) * n // (2 * m)
-    return found.clip(0, n - 1)
-
-
-def _area_enlarged(n: int, m: int, scale: float) -> NDArray[np.float64]:
-    """Positions along an axis where ``INTER_AREA`` enlarges: each pixel keeps its colour but near its edges."""
-    at = np.arange(m, dtype=np.float64)
-    whole = np.floor(at * scale)
-    rest = (at + 1) - (whole + 1) / scale
-    rest = np.where(rest <= 0, 0.0, rest - np.floor(rest))
-    positions: NDArray[np.float64] = (whole + rest).clip(0, n - 1)
-    return positions
-
-
-def _shares(n: int, m: int, scale: float) -> NDArray[np.float64]:
-    """Row ``i`` holds the shares of ``n`` pixels in output pixel ``i``, which covers ``scale`` of them."""
-    edges = np.arange(n + 1, dtype=np.float64)
-    low, high = np.arange(m)[:, np.newaxis] * scale, (np.arange(m)[:, np.newaxis] + 1) * scale
-    inside = np.clip(edges, low, np.minimum(high, n))
-    lengths = np.diff(inside, axis=1)
-    shares: NDArray[np.float64] = lengths / lengths.sum(axis=1, keepdims=True)
-    return shares
-
-
-def _area(source: Array, w: int, h: int, sx: float, sy: float) -> Array:
-    """The mean over the area of each output pixel."""
-    height, width, channels = source.shape
-    across = _shares(width, w, sx)
-    rows = np.empty((height, w, channels))
-    for c in range(channels):
-        rows[..., c] = source[..., c].astype(np.float64) @ across.T
-    mean = np.tensordot(_shares(height, h, sy), rows, axes=1)
-    if source.dtype.kind in "iu":
-        mean = np.rint(mean).clip(*limits(source.dtype))
-    return mean.astype(source.dtype)

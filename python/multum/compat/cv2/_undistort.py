@@ -181,7 +181,10 @@ def undistort(
     >>> cv2.undistort(np.full((3, 5), 9, np.uint8), camera, None).tolist()[0]
     [9, 9, 9, 9, 9]
     """
-    source = image("src", src)
-    shape = (source.shape[1], source.shape[0])
-    found = initUndistortRectifyMap(cameraMatrix, distCoeffs, None, newCameraMatrix, shape, CV_16SC2)
-    return remap(source, *found, INTER_LINEAR, dst, antialias=antialias)
+    try:
+        source = src if isinstance(src, np.ndarray) and src.ndim in (2, 3) and src.size else image("src", src)
+        shape = (source.shape[1], source.shape[0])
+        found = initUndistortRectifyMap(cameraMatrix, distCoeffs, None, newCameraMatrix, shape, CV_16SC2)
+        return remap(source, *found, INTER_LINEAR, dst, antialias=antialias)
+    except REFUSALS as reason:
+        raise refusal(reason) from None

@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ... import _multum
 from . import _arrays
 from ._arrays import Array, error
+from ._call import REFUSALS, receivers, refusal
 from ._constants import (
     ALGO_HINT_DEFAULT,
     BORDER_CONSTANT,
@@ -17,10 +19,8 @@ from ._constants import (
     CV_32F,
     INTER_LINEAR,
     INTER_MAX,
-    INTER_NEAREST,
     WARP_FILL_OUTLIERS,
     WARP_INVERSE_MAP,
-    WARP_POLAR_LOG,
 )
 from ._resample import Places, output_size, resample
 
@@ -68,18 +68,7 @@ def warpAffine(
     >>> cv2.warpAffine(stripes, half, (3, 1), borderMode=cv2.BORDER_WRAP).tolist()
     [[100, 100, 100]]
     """
-    matrix = _arrays.matrix("M", M, 2)
-    if not flags & WARP_INVERSE_MAP:
-        det = matrix[0, 0] * matrix[1, 1] - matrix[0, 1] * matrix[1, 0]
-        scale = 1 / det if det != 0 else 0.0
-        a, b = matrix[1, 1] * scale, -matrix[0, 1] * scale
-        c, d = -matrix[1, 0] * scale, matrix[0, 0] * scale
-        x, y = matrix[:, 2]
-        matrix = np.array([[a, b, -a * x - b * y], [c, d, -c * x - d * y]])
-    full = np.vstack([matrix, [[0.0, 0.0, 1.0]]])
-    places = Places(output_size(dsize, src), matrix=full)
-    kind = flags & INTER_MAX
-    return resample(src, places, kind, dst, borderMode, borderValue, antialias, quantised="accumulated")
+    return _warped(src, M, 2, dsize, dst, flags, borderMode, borderValue, antialias)
 
 
 def warpPerspective(
@@ -122,20 +111,37 @@ def warpPerspective(
     >>> cv2.warpPerspective(np.uint8([[10, 20, 30]]), shift, (3, 1)).tolist()
     [[0, 10, 20]]
     """
-    matrix = _arrays.matrix("M", M, 3)
-    if not flags & WARP_INVERSE_MAP:
-        (a, b, c), (d, e, f), (g, h, i) = matrix
-        adjugate = np.array(
-            [
-                [e * i - f * h, c * h - b * i, b * f - c * e],
-                [f * g - d * i, a * i - c * g, c * d - a * f],
-                [d * h - e * g, b * g - a * h, a * e - b * d],
-            ]
+    return _warped(src, M, 3, dsize, dst, flags, borderMode, borderValue, antialias)
+
+
+def _warped(
+    src: ArrayLike,
+    m: ArrayLike,
+    rows: int,
+    dsize: Sequence[int],
+    dst: Array | None,
+    flags: int,
+    border: int,
+    value: Any,
+    antialias: bool,
+) -> Array:
+    """Both warps: at once where the arguments are in order."""
+    try:
+        made: Array | None = _multum.cv2_warp(src, m, rows, dsize, dst, flags, border, value, antialias)
+        if made is not None:
+            return made
+        receivers(("dst", dst))
+        matrix = _arrays.matrix("M", m, rows)
+        if not flags & WARP_INVERSE_MAP:
+            matrix = _multum.cv2_inverse(matrix)
+        places = Places(
+            output_size(dsize, src), matrix=matrix if rows == 3 else np.vstack([matrix, [0.0, 0.0, 1.0]])
         )
-        det = a * adjugate[0, 0] + b * adjugate[1, 0] + c * adjugate[2, 0]
-        matrix = adjugate / det if det != 0 else np.zeros((3, 3))
-    places = Places(output_size(dsize, src), matrix=matrix)
-    return resample(src, places, flags & INTER_MAX, dst, borderMode, borderValue, antialias)
+        quantised = "accumulated" if rows == 2 else "thirtyseconds"
+        kind = flags & INTER_MAX
+        return resample(src, places, kind, dst, border, value, antialias, quantised=quantised)
+    except REFUSALS as reason:
+        raise refusal(reason) from None
 
 
 def getRectSubPix(
@@ -156,15 +162,31 @@ def getRectSubPix(
     >>> cv2.getRectSubPix(np.uint8([[10, 20, 30]]), (2, 1), (1.0, 0.0)).tolist()
     [[15, 25]]
     """
-    source = _arrays.image("image", image)
-    if patchType == CV_32F and source.dtype == np.uint8:
-        source = source.astype(np.float32)
-    elif patchType not in (-1, {"uint8": CV_8U, "float32": CV_32F}.get(source.dtype.name, -1)):
-        raise error(f"patchType: got {patchType}, expected CV_32F, or the image's own depth")
-    width, height = _arrays.size("patchSize", patchSize)
-    x, y = (float(c) - 0.5 * (n - 1) for c, n in zip(center, (width, height), strict=True))
-    places = Places((width, height), matrix=np.array([[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]]))
-    return resample(source, places, INTER_LINEAR, patch, BORDER_REPLICATE, None, False, exact=True)
+    try:
+        if patchType == -1:
+            made: Array | None = _multum.cv2_patch(image, patchSize, center, patch)
+            if made is not None:
+                return made
+        receivers(("patch", patch))
+        source = _arrays.image("image", image)
+        if patchType == CV_32F and source.dtype == np.uint8:
+            source = source.astype(np.float32)
+        elif patchType not in (-1, {"uint8": CV_8U, "float32": CV_32F}.get(source.dtype.name, -1)):
+            raise error(f"patchType: got {patchType}, expected CV_32F, or the image's own depth")
+        width, height = _arrays.size("patchSize", patchSize)
+        x, y = (c - 0.5 * (n - 1) for c, n in zip(_center(center), (width, height), strict=True))
+        places = Places((width, height), matrix=np.array([[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]]))
+        return resample(source, places, INTER_LINEAR, patch, BORDER_REPLICATE, None, False, exact=True)
+    except REFUSALS as reason:
+        raise refusal(reason) from None
+
+
+def _center(value: Sequence[float]) -> tuple[float, float]:
+    try:
+        x, y = (float(c) for c in value)
+    except (TypeError, ValueError):
+        raise error(f"center: got {value!r}, expected a pair (x, y) of numbers") from None
+    return x, y
 
 
 def warpPolar(
@@ -190,33 +212,51 @@ def warpPolar(
     >>> cv2.warpPolar(disc, (4, 8), (4, 4), 4, cv2.INTER_LINEAR).shape
     (8, 4)
     """
-    source = _arrays.image("src", src, nearest=flags & INTER_MAX == INTER_NEAREST)
-    radius = float(maxRadius)
-    if not 0 < radius < np.inf:
-        raise error(f"maxRadius: got {maxRadius!r}, expected a positive number")
     try:
-        center_x, center_y = (float(v) for v in center)
-    except (TypeError, ValueError):
-        raise error(f"center: got {center!r}, expected two numbers") from None
-    default = (max(1, round(radius)), max(1, round(radius * np.pi)))
+        receivers(("dst", dst))
+        return _polar(src, dsize, center, maxRadius, flags, dst, antialias)
+    except REFUSALS as reason:
+        raise refusal(reason) from None
+
+
+def _polar(
+    src: ArrayLike,
+    dsize: Sequence[int],
+    center: Sequence[float],
+    maxRadius: float,
+    flags: int,
+    dst: Array | None,
+    antialias: bool,
+) -> Array:
+    source = src if isinstance(src, np.ndarray) else np.asarray(src)
+    radius = float(maxRadius)
+    if not 0 < radius < float("inf"):
+        raise error(f"maxRadius: got {maxRadius!r}, expected a positive number")
+    if source.ndim not in (2, 3) or source.size == 0:
+        raise error(f"src: got shape {source.shape}, expected (H, W) or (H, W, C) without empty axes")
+    w, h = _polar_size(dsize, radius)
+    at = _center(center)
+    height, width = source.shape[:2]
     if flags & WARP_INVERSE_MAP:
-        w, h = _arrays.size("dsize", dsize)
-        height, width = source.shape[:2]
-        x, y = np.meshgrid(np.arange(w) - center_x, np.arange(h) - center_y)
-        rho = np.hypot(x, y)
-        first = np.log1p(rho) * (width / np.log(radius)) if flags & WARP_POLAR_LOG else rho * (width / radius)
-        second = np.mod(np.arctan2(y, x), 2 * np.pi) * (height / (2 * np.pi))
-        wrapped = np.concatenate([source, source[:1]])
-        places = Places((w, h), first.astype(np.float32), second.astype(np.float32))
-        border = BORDER_TRANSPARENT if not flags & WARP_FILL_OUTLIERS else BORDER_CONSTANT
-        return resample(wrapped, places, flags & INTER_MAX, dst, border, None, antialias)
-    w, h = _arrays.size("dsize", dsize, default)
-    if flags & WARP_POLAR_LOG:
-        rho = np.exp(np.arange(w) * (np.log(radius) / w)) - 1.0
-    else:
-        rho = np.arange(w) * (radius / w)
-    angle = np.arange(h)[:, np.newaxis] * (2 * np.pi / h)
-    first = (rho * np.cos(angle) + center_x).astype(np.float32)
-    second = (rho * np.sin(angle) + center_y).astype(np.float32)
-    border = BORDER_TRANSPARENT if not flags & WARP_FILL_OUTLIERS else BORDER_CONSTANT
-    return resample(source, Places((w, h), first, second), flags & INTER_MAX, dst, border, None, antialias)
+        # A row of the other end at each end: the angle goes round.
+        source = np.concatenate([source[-1:], source, source[:1]])
+    size = (int(w), int(h))
+    made: Array | None = _multum.cv2_polar(source, width, height, size, at, radius, flags, dst, antialias)
+    if made is not None:
+        return made
+    x, y = _multum.cv2_polar_map(width, height, size, at, radius, flags)
+    border = BORDER_CONSTANT if flags & WARP_FILL_OUTLIERS else BORDER_TRANSPARENT
+    return resample(source, Places(size, x, y), flags & INTER_MAX, dst, border, None, antialias)
+
+
+def _polar_size(dsize: Sequence[int], radius: float) -> tuple[int, int]:
+    """The size asked for: a height of 0 is the circumference of the width or, where that is 0, of the radius."""
+    try:
+        w, h = (int(n) for n in dsize)
+    except (TypeError, ValueError):
+        raise error(f"dsize: got {dsize!r}, expected a pair (width, height) of whole numbers") from None
+    if w <= 0 and h <= 0:
+        w, h = round(radius), round(radius * np.pi)
+    elif h <= 0:
+        h = round(w * np.pi)
+    return _arrays.size("dsize", (w, h))

@@ -5,8 +5,9 @@ never hold the smoothed one.
 """
 
 import math
-from collections.abc import Mapping
-from typing import NamedTuple
+from collections.abc import Callable, Mapping
+from functools import lru_cache, wraps
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,17 @@ class Band(NamedTuple):
 
     first: NDArray[np.int64]
     weights: NDArray[np.float64]
+
+
+def remembered(make: Callable[..., Band]) -> Callable[..., Band]:
+    """Keeps the last matrices of short axes, by their arguments: making one takes longer than its use."""
+    kept = lru_cache(maxsize=64)(make)
+
+    @wraps(make)
+    def band(size: int, count: int, *rest: Any) -> Band:
+        return (kept if max(size, count) <= 256 else make)(size, count, *rest)
+
+    return band
 
 
 def gaussian(sigma: float) -> NDArray[np.float64]:
@@ -39,6 +51,7 @@ def smoothing(size: int, sigma: float) -> Band:
     return Band(np.arange(size) - len(weights) // 2, np.tile(weights, (size, 1)))
 
 
+@remembered
 def resizing(size: int, count: int, step: float, sigma: float, order: int, mode: str) -> Band:
     """The Gaussian, and then ``count`` pixels at ``(j + 1/2) step - 1/2``: nearest or linear (order 0 or 1)."""
     kernel = gaussian(sigma)
@@ -52,7 +65,8 @@ def resizing(size: int, count: int, step: float, sigma: float, order: int, mode:
         at = np.clip(at, 0, size - 1)
     left = np.floor(at).astype(np.int64)
     share = (at - left)[:, np.newaxis]
-    here, there = np.broadcast_arrays(np.append(kernel, 0.0), np.insert(kernel, 0, 0.0))
+    here, there = np.zeros(len(kernel) + 1), np.zeros(len(kernel) + 1)
+    here[:-1], there[1:] = kernel, kernel
     weights = (1 - share) * here + share * there
     if mode == "constant":
         # There the smoothed signal is the border's value: one tap beyond everything has all of its weight.

@@ -66,6 +66,7 @@ def _mean_of_blocks(image: Array, sizes: tuple[int, ...]) -> Array:
     return means
 
 
+@_bands.remembered
 def _overlaps(old: int, new: int, grid_mode: bool) -> _bands.Band:
     """Shares of old pixels in new ones. Ends of pixels are at whole numbers, or half way between centres."""
     if grid_mode:

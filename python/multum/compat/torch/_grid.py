@@ -37,13 +37,15 @@ def checked(input: Any, grid: Any, mode: str, padding_mode: str) -> tuple[Array,
 
 def in_pixels(numbers: Array, size: int, align_corners: bool) -> Array:
     """From [-1, 1] to pixels, whose centres are at whole numbers, in the type of the numbers."""
-    one, half = numbers.dtype.type(1), numbers.dtype.type(0.5)
+    kind = numbers.dtype.type
+    result: Array = numbers + kind(1)
     if align_corners:
         # The ends are the centres of the outermost pixels.
-        result: Array = (numbers + one) * half * numbers.dtype.type(size - 1)
+        result *= kind((size - 1) / 2)
     else:
         # They are the outer edges of those pixels.
-        result = ((numbers + one) * numbers.dtype.type(size) - one) * half
+        result *= kind(size / 2)
+        result -= kind(0.5)
     return result
 
 
@@ -112,12 +114,14 @@ def grid_sample(
     }
     for n in range(batch if out.size else 0):
         x, y = maps(places[n], (height, width), align)
-        strange = ~(np.isfinite(x) & np.isfinite(y))
-        if strange.any():
+        # One sum tells, in almost all calls, that there is nothing to look for.
+        is_plain = bool(np.isfinite(x + y).all())
+        strange = np.zeros(0, bool) if is_plain else ~(np.isfinite(x) & np.isfinite(y))
+        if not is_plain:
             x, y = (_found(m, size, mode, padding_mode) for m, size in ((x, width), (y, height)))
         for source, target in zip(sources[n], targets[n], strict=True):
             _multum.interpolate(source, x, y, None, manner, target)
-            if strange.any() and (mode == "bicubic" or (mode, padding_mode) == ("bilinear", "zeros")):
+            if not is_plain and (mode == "bicubic" or (mode, padding_mode) == ("bilinear", "zeros")):
                 target[strange] = np.nan
     return like(out.transpose(0, 3, 1, 2) if is_last else out, input)
 

@@ -1,5 +1,6 @@
 """Resizing of images (N, C, H, W)."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -81,6 +82,12 @@ def interpolate(
         new = tuple(int(np.floor(n * factor)) for n, factor in zip(old, pair, strict=True))
         if not recompute_scale_factor:
             factors = pair
+    if mode == "area" and min(new) == 0 and min(images.shape[1:]) > 0:
+        return like(np.empty((*images.shape[:2], *new), images.dtype), input)
+    if max(new) > 1 << 30 or math.prod((*images.shape[:2], *new)) > 1 << 40:
+        raise error(
+            f"size: got {new} from an input of {images.shape}, expected at most 2^30 a side and 2^40 in all"
+        )
     if min(new) < 1 or min(images.shape[1:]) < 1:
         raise error(f"size: got {new} from an input of {images.shape}, expected positive numbers")
     steps = [_step(n, m, factor, bool(align_corners)) for n, m, factor in zip(old, new, factors, strict=True)]
@@ -106,10 +113,16 @@ def _step(old: int, new: int, factor: float | None, align: bool) -> float:
 def _nearest(images: Array, new: tuple[int, int], steps: list[float], shift: float) -> Array:
     picked = images
     for axis, (count, step) in enumerate(zip(new, steps, strict=True), start=2):
+        size = images.shape[axis]
+        if shift == 0 and count in (size, 2 * size):
+            # Whatever the scale says.
+            if count != size:
+                picked = np.repeat(picked, 2, axis=axis)
+            continue
         # In singles, as there.
         at = np.floor((np.arange(count, dtype=np.float32) + np.float32(shift)) * np.float32(step))
         picked = np.take(picked, np.minimum(at.astype(np.int64), images.shape[axis] - 1), axis=axis)
-    return picked
+    return picked.copy() if picked is images else picked
 
 
 def _area(old: int, new: int) -> Band:
@@ -135,6 +148,8 @@ def _kernel(distance: Array, mode: str, slope: float) -> Array:
 def _band(old: int, new: int, step: float, mode: str, align: bool, antialias: bool) -> Band:
     reach = 1 if mode == "bilinear" else 2
     j = np.arange(new)
+    if antialias and old == new:
+        return Band(j, np.ones((new, 1)))
     if antialias:
         width = max(step, 1.0)
         centre = step * (j + 0.5)
@@ -144,7 +159,13 @@ def _band(old: int, new: int, step: float, mode: str, align: bool, antialias: bo
         weights = _kernel(np.abs(taps + 0.5 - centre[:, np.newaxis]) / width, mode, -0.5)
         weights[taps >= high[:, np.newaxis]] = 0
         return Band(low, weights / weights.sum(axis=1, keepdims=True))
-    at = j * step if align else step * (j + 0.5) - 0.5
+    if align:
+        at = j * step
+    elif old == new and mode == "bilinear":
+        # Whatever the scale says.
+        at = j.astype(np.float64)
+    else:
+        at = step * (j + 0.5) - 0.5
     if mode == "bilinear":
         at = np.maximum(at, 0)
     first = np.floor(at).astype(np.int64) - (reach - 1)
