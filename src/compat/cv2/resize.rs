@@ -154,9 +154,10 @@ fn enlarged(n: usize, m: usize, factor: f64) -> Vec<f64> {
     (0..m)
         .map(|i| {
             let whole = (i as f64 * scale).floor();
-            let rest = (i + 1) as f64 - (whole + 1.0) * factor;
+            // A single, as there: what is whole but for a last bit counts as whole.
+            let rest = ((i + 1) as f64 - (whole + 1.0) * factor) as f32;
             let rest = if rest <= 0.0 { 0.0 } else { rest - rest.floor() };
-            (whole + rest).clamp(0.0, (n - 1) as f64)
+            (whole + f64::from(rest)).clamp(0.0, (n - 1) as f64)
         })
         .collect()
 }
