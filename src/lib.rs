@@ -16,7 +16,7 @@
 //!   ([`encode`]). Levels are made when a filter first reads them.
 //! - [`Sampler`] is *how*: a [`Filter`] and its limits, over batches of places with their [`Extent`].
 //! - [`warp`] turns images into images, [`mapping`] points and directions into places, with derivatives;
-//!   [`raster`] and [`mesh`] bring triangles to the screen, [`shade`] and [`render`] light them.
+//!   [`sphere`] reads pictures of all directions; [`raster`] and [`mesh`] bring triangles to the screen, [`shade`] and [`render`] light them.
 //! - [`compat`] is the arithmetic of other libraries, for the drop-ins.
 //!
 //! # Conventions
@@ -68,6 +68,8 @@ pub mod warp;
 pub mod compat;
 
 pub mod mapping;
+
+pub mod sphere;
 
 pub mod mesh;
 pub mod raster;

@@ -55,7 +55,11 @@ pub fn with_interrupt<R>(hook: impl FnMut(f64) -> bool + 'static, work: impl FnO
     result
 }
 
-fn check_interrupt(done: f64) -> Result<()> {
+/// Calls this thread's hook with the share that is done, for work that is cut into several calls.
+///
+/// # Errors
+/// [`Error::Interrupted`] where the hook says so.
+pub fn check_interrupt(done: f64) -> Result<()> {
     let stop = HOOK.with_borrow_mut(|hook| hook.as_mut().is_some_and(|hook| hook(done)));
     if stop { Err(Error::Interrupted) } else { Ok(()) }
 }

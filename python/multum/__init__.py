@@ -9,6 +9,7 @@ from ._pyramid import build_pyramid
 from ._raster import Fragments, rasterize
 from ._render import TextureUse, render, right_size
 from ._sat import SummedAreaTable
+from ._sphere import SphereTexture
 from ._texture import Texture
 from ._threads import get_num_threads, set_num_threads
 from ._warp import remap, resize, warp
@@ -23,6 +24,7 @@ __all__ = [
     "Mesh",
     "MeshImage",
     "Scene",
+    "SphereTexture",
     "SummedAreaTable",
     "Texture",
     "TextureSlot",

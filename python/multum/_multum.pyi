@@ -82,6 +82,38 @@ class Texture:
     def gradient(self, uv: NDArray[Any], filter: str, threads: int | None) -> NDArray[Any]: ...
 
 @final
+class SphereTexture:
+    def __new__(
+        cls,
+        image: NDArray[Any],
+        form: str,
+        layout: str,
+        border: list[float],
+        encoding: str,
+        alpha: str,
+        pyramid: str,
+    ) -> Self: ...
+    @property
+    def size(self) -> tuple[int, int]: ...
+    @property
+    def is_cube(self) -> bool: ...
+    @property
+    def channels(self) -> int: ...
+    @property
+    def num_levels(self) -> int: ...
+    @property
+    def nbytes(self) -> int: ...
+    def sample(
+        self,
+        directions: NDArray[Any],
+        ddx: NDArray[Any] | None,
+        ddy: NDArray[Any] | None,
+        lod: NDArray[Any] | None,
+        sampling: Sampling,
+        out: NDArray[Any] | None,
+    ) -> NDArray[Any]: ...
+
+@final
 class Warping:
     def __new__(
         cls,
@@ -457,4 +489,5 @@ def panorama_convert(
     size: tuple[int, int],
     rotation: list[list[float]],
     warping: Warping,
+    progress: Callable[[float], object] | None,
 ) -> NDArray[Any]: ...

@@ -17,6 +17,7 @@ mod remap;
 mod render;
 mod resample;
 mod sat;
+mod sphere;
 mod texture;
 mod threads;
 mod warp;
@@ -34,6 +35,7 @@ fn _multum(module: &Bound<'_, PyModule>) -> PyResult<()> {
     pyramid::register(module)?;
     raster::register(module)?;
     sat::register(module)?;
+    sphere::register(module)?;
     remap::register(module)?;
     render::register(module)?;
     resample::register(module)?;

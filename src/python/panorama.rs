@@ -1,6 +1,6 @@
 //! Panoramas.
 
-use super::convert::{ImageArg, image_array, work};
+use super::convert::{ImageArg, image_array, work_reporting};
 use super::warp::Warping;
 use crate::error::{Error, Result};
 use crate::mapping::{FisheyeModel, Layout};
@@ -37,6 +37,7 @@ fn form(argument: &'static str, (name, layout, model, fov): &Words) -> Result<Fo
 
 /// The converted picture.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "one for each argument of the Python function")]
 fn panorama_convert<'py>(
     py: Python<'py>,
     image: &Bound<'py, PyAny>,
@@ -45,13 +46,16 @@ fn panorama_convert<'py>(
     size: (usize, usize),
     rotation: [[f64; 3]; 3],
     warping: &Warping,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let image = ImageArg::new("image", image)?;
     let view = image.view()?;
     let (source, target) = (form("source", &source)?, form("target", &target)?);
     let rotation = DMat3::from_cols_array_2d(&rotation).transpose();
     let size = [size.0, size.1];
-    let made = work(py, warping.threads, || convert(view, source, target, size, rotation, &warping.options))?;
+    let made = work_reporting(py, warping.threads, progress, || {
+        convert(view, source, target, size, rotation, &warping.options)
+    })?;
     image_array(py, made, image.is_flat)
 }
 

@@ -13,9 +13,11 @@ use crate::texel::{DType, Texel, f16};
 use crate::wrap::Wrap;
 use std::sync::OnceLock;
 
+mod faces;
 mod layers;
 mod store;
 
+pub(crate) use faces::matched_faces;
 pub(crate) use layers::{Decode, Decoder, Layers, Plain};
 use store::{Level, borrowed_plane, lanes_of};
 

@@ -276,3 +276,79 @@ def test_progress_shows_only_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> N
             assert progress.line().startswith("[############............] 1/2 warping (")
     assert quiet.getvalue() == ""
     assert watched.getvalue().endswith(" \r")
+
+
+def test_panorama_to_a_cube_and_back(tmp_path: Path) -> None:
+    x, y = np.meshgrid((np.arange(128) + 0.5) / 128, (np.arange(64) + 0.5) / 64)
+    sky = np.stack([0.5 + 0.4 * np.sin(2 * np.pi * x) * np.sin(np.pi * y), y, 0 * x], -1)
+    sky = np.floor(sky * 255 + 0.5).astype(np.uint8)
+    mt.write_image(tmp_path / "sky.png", sky)
+    assert run("panorama", tmp_path / "sky.png", tmp_path / "cross.png", "--to", "cube", "--size", 32) == 0
+    cross = mt.read_image(tmp_path / "cross.png")
+    assert cross.shape == (96, 128, 3)
+    assert np.array_equal(cross, mt.panorama.convert(sky, target="cube", size=32, layout="cross"))
+    arguments = (
+        "panorama",
+        tmp_path / "cross.png",
+        tmp_path / "back.png",
+        "--from",
+        "cube",
+        "--size",
+        "128x64",
+    )
+    assert run(*arguments) == 0
+    back = mt.read_image(tmp_path / "back.png")
+    assert np.abs(back.astype(int) - sky)[2:-2].max() < 12
+
+
+def test_panorama_of_a_camera(tmp_path: Path) -> None:
+    sky = np.zeros((64, 128, 3), np.uint8)
+    sky[:, 96] = 255
+    mt.write_image(tmp_path / "sky.png", sky)
+    for words in (["90", "0"], [str(v) for v in mt.panorama.rotation(90).ravel()]):
+        given = ("--to", "perspective", "--fov", 60, "--size", "33x21", "--rotation", *words)
+        assert run("panorama", tmp_path / "sky.png", tmp_path / "view.png", *given) == 0
+        view = mt.read_image(tmp_path / "view.png")
+        assert view.shape == (21, 33, 3)
+        # The bright column is half a texel right of where the camera looks.
+        assert abs(view[10, :, 0].astype(int).argmax() - 17) <= 1
+    sizes = {"fisheye": (20, 20), "probe": (20, 20), "octahedral": (20, 20), "stereographic": (20, 20)}
+    for form, size in sizes.items():
+        target = tmp_path / f"{form}.png"
+        assert run("panorama", tmp_path / "sky.png", target, "--to", form, "--size", 20) == 0
+        assert mt.read_image(target).shape[:2] == size
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["--size", "12x"], "--size"),
+        (["--rotation", "1", "2", "3", "4"], "--rotation"),
+        (["--rotation", "a"], "expected numbers"),
+        (["--from", "cube"], "square faces"),
+        (["--fov", "90"], "fov"),
+        (["--to", "perspective", "--fov", "190"], "fov"),
+    ],
+)
+def test_panorama_mistakes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], text: str
+) -> None:
+    mt.write_image(tmp_path / "in.png", picture(size=(16, 31)))
+    assert run("panorama", tmp_path / "in.png", tmp_path / "out.png", *words) == 2
+    assert text in capsys.readouterr().err
+
+
+def test_gallery_draws_maps_and_a_page(tmp_path: Path) -> None:
+    mesh = tmp_path / "roof.obj"
+    mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 1\nv 1 1 1\nf 1 2 4\nf 1 4 3\n")
+    names = ["spherical", "two_stage_cube"]
+    assert run("gallery", "-o", tmp_path / "g", "--size", 48, "--only", *names, "--mesh", mesh) == 0
+    page = (tmp_path / "g" / "index.html").read_text(encoding="utf-8")
+    for name in names:
+        sheet = mt.read_image(tmp_path / "g" / f"{name}.png")
+        assert sheet.shape[1] > 5 * 48
+        # Cells of the board and colours of the heat map, not one flat grey.
+        assert len(np.unique(sheet.reshape(-1, 3), axis=0)) > 200
+        assert f'src="{name}.png"' in page
+    assert run("gallery", "-o", tmp_path / "g", "--only", "mercator") == 2
+    assert run("gallery", "-o", tmp_path / "g", "--size", 1) == 2

@@ -1,6 +1,8 @@
 """Panoramas against a function of direction: values, seams, poles, edges, rotations, refusals."""
 
 import doctest
+import subprocess
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -46,6 +48,11 @@ def picture(name: str, size: tuple[int, int], parts: int = 4) -> NDArray[np.floa
     values = smooth(directions(name, size, parts))
     blocks = values.reshape(size[1], parts, size[0], parts).swapaxes(1, 2)
     return np.asarray(np.nanmean(blocks, (2, 3)))
+
+
+def turned(d: NDArray[Any]) -> NDArray[np.float64]:
+    """Directions of the target as the source sees them; any where there is none."""
+    return np.asarray(TURN.apply(np.nan_to_num(d, nan=1.0).reshape(-1, 3)).reshape(d.shape))
 
 
 def size_of(name: str, size: tuple[int, int]) -> Any:
@@ -197,3 +204,80 @@ def test_refusals(call: Callable[[], object], words: str) -> None:
 def test_docstrings() -> None:
     assert doctest.testmod(panorama).failed == 0
     assert mt.panorama is panorama
+
+
+def test_rows_in_bands_keep_memory_flat() -> None:
+    """8192 x 4096 to a cube: beyond source, result and levels, megabytes, as a process of its own sees them."""
+    code = """
+import resource
+import numpy as np
+import multum as mt
+
+sky = np.zeros((4096, 8192), np.uint8)
+sky += np.arange(4096, dtype=np.uint8)[:, None]
+mt.panorama.convert(sky[:64, :128].copy(), size=8)
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+made = mt.panorama.convert(sky, size=2048, threads=2)
+after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+print((after - before) * 1024 - made.nbytes)
+"""
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    extra = int(run.stdout)
+    # A third of the source for levels, the rows next to the poles, and what the threads hold.
+    assert extra < 40e6
+
+
+@pytest.mark.parametrize("target", list(FORMS))
+def test_means_are_those_of_the_interpolated_picture(target: str) -> None:
+    """White noise in floats against many points a pixel: at most a third of what one point a pixel misses."""
+    rng = np.random.default_rng(5)
+    noise = rng.random((64, 128))
+    # Some smoothness, as pictures have: texels share half of their variance with their neighbours.
+    for axis in (0, 1):
+        noise = (noise + np.roll(noise, 1, axis)) / 2
+    options, m, (w, h) = FORMS[target]
+    m_: Any = m
+    got = panorama.convert(noise, "equirect", target, size_of(target, (w, h)), TURN.as_matrix(), **options)
+    k = 8
+    x, y = np.meshgrid((np.arange(w * k) + 0.5) / (w * k), (np.arange(h * k) + 0.5) / (h * k))
+    d = m_.inverse(np.stack([x, y], -1))
+    sky = mt.SphereTexture(noise)
+    values = sky.sample(turned(d), filter="bilinear")[..., 0]
+    values = np.where(np.isnan(d[..., 0]), np.nan, values).reshape(h, k, w, k)
+    truth = values.swapaxes(1, 2).reshape(h, w, k * k)
+    inside = ~np.isnan(truth).any(-1)
+    truth = truth.mean(-1)
+    centre = directions(target, (w, h))
+    point = sky.sample(turned(centre), filter="bilinear")[..., 0]
+    errors = [float(np.sqrt(np.mean((a - truth)[inside] ** 2))) for a in (got, point)]
+    assert errors[0] < errors[1] / 3
+
+
+def test_bilinear_is_the_value_at_the_centre() -> None:
+    noise = np.random.default_rng(6).random((64, 128))
+    for target, (options, _, (w, h)) in FORMS.items():
+        got = panorama.convert(
+            noise, "equirect", target, size_of(target, (w, h)), TURN.as_matrix(), filter="bilinear", **options
+        )
+        centre = directions(target, (w, h))
+        there = ~np.isnan(centre[..., 0])
+        d = turned(centre)
+        # Over the poles the texture goes on; the conversion of single points ends at the outermost row.
+        inner = there & (np.abs(d[..., 1]) < np.cos(np.pi / 64))
+        want = mt.Texture(noise, wrap=("repeat", "clamp")).sample(mapping.Equirect()(d), filter="bilinear")
+        # Polynomials follow the map to 1/128 texel along each axis, more or less, and texels differ by up to 1.
+        assert np.abs(got - want[..., 0])[inner].max() < 0.05, target
+
+
+def test_progress_is_told_and_ends_the_work() -> None:
+    image = np.zeros((512, 1024), np.uint8)
+    told: list[float] = []
+    panorama.convert(image, target="equirect", size=2048, rotation=TURN.as_matrix(), progress=told.append)
+    assert len(told) > 1
+    assert all(0 < done <= 1 for done in told)
+
+    def stop(done: float) -> None:
+        raise RuntimeError(f"stopped at {done}")
+
+    with pytest.raises(RuntimeError, match="stopped"):
+        panorama.convert(image, target="equirect", size=2048, rotation=TURN.as_matrix(), progress=stop)

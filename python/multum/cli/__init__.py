@@ -5,9 +5,9 @@ import sys
 from collections.abc import Sequence
 
 from .. import __version__
-from . import bake, chart, demo, info, resize, warp
+from . import bake, chart, demo, gallery, info, panorama, resize, warp
 
-_COMMANDS = (demo, warp, resize, info, bake, chart)
+_COMMANDS = (demo, warp, resize, panorama, info, bake, chart, gallery)
 
 _DESCRIPTION = """\
 Texture sampling and filtering on the CPU.
@@ -16,7 +16,9 @@ Texture sampling and filtering on the CPU.
   multum info photo.jpg                    what a file holds, and what it takes as a texture
   multum resize photo.jpg small.png --scale 0.25 --encoding srgb
   multum warp page.jpg flat.png --corners 90,40 610,80 640,900 60,860 --size 600x850
+  multum panorama sky.hdr cross.hdr --to cube
   multum bake high.obj --simplify 0.01 --size 1024 -o out/
+  multum gallery                           every mapping function, drawn on five shapes
   multum chart --quick                     speed against accuracy of all filters, on this machine
 """
 

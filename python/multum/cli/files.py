@@ -11,15 +11,20 @@ from .._files import read_image, write_image
 from .convert import check_output, fit
 from .progress import Progress
 
+Work = Callable[[NDArray[Any], Callable[[float], None]], NDArray[Any]]
 
-def transform(options: argparse.Namespace, name: str, work: Callable[[NDArray[Any]], NDArray[Any]]) -> None:
-    """Read IN, do ``work`` and write OUT, with progress and one line about the result."""
+
+def transform(options: argparse.Namespace, name: str, work: Work) -> None:
+    """Read IN, do ``work`` and write OUT, with progress and one line about the result.
+
+    ``work`` gets the image and a function to call with the share that is done.
+    """
     check_output(options.output)
     with Progress(3) as progress:
         progress.step(f"reading {os.path.basename(options.input)}")
         image = read_image(options.input)
         progress.step(name)
-        result = work(image)
+        result = work(image, progress.share)
         progress.step(f"writing {os.path.basename(options.output)}")
         result = fit(result, options.output, options.depth, options.encoding)
         write_image(options.output, result)

@@ -1,6 +1,7 @@
 """``multum resize``: a picture made larger or smaller."""
 
 import argparse
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
@@ -43,7 +44,7 @@ def run(options: argparse.Namespace) -> None:
         raise ValueError(f"--scale: got {options.scale}, expected a number above 0")
     keywords = filtering(options)
 
-    def work(image: NDArray[Any]) -> NDArray[Any]:
+    def work(image: NDArray[Any], _: Callable[[float], None]) -> NDArray[Any]:
         height, width = image.shape[:2]
         if options.size is not None:
             width, height = options.size

@@ -1,6 +1,7 @@
 """``multum warp``: a picture through a matrix, a map or four corners."""
 
 import argparse
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -69,7 +70,7 @@ def run(options: argparse.Namespace) -> None:
         raise ValueError("--forward: goes with --matrix only")
     keywords = filtering(options)
 
-    def work(image: NDArray[Any]) -> NDArray[Any]:
+    def work(image: NDArray[Any], _: Callable[[float], None]) -> NDArray[Any]:
         height, width = image.shape[:2]
         shape = None if options.size is None else (options.size[1], options.size[0])
         if options.map is not None:

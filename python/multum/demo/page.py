@@ -12,11 +12,11 @@ p.about { color: #555; }
 """
 
 
-def page(figures: list[Figure], about: str) -> str:
+def page(figures: list[Figure], about: str, title: str = "multum demo") -> str:
     """The text of index.html."""
     parts = [
         "<!doctype html>",
-        '<html lang="en"><head><meta charset="utf-8"><title>multum demo</title>',
+        f'<html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>',
         f"<style>{_STYLE}</style></head><body>",
         "<h1>multum</h1>",
         f'<p class="about">{html.escape(about)}</p>',

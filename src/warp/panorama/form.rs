@@ -6,7 +6,7 @@ use crate::mapping::{
     Octahedral, Perspective, Stereographic,
 };
 use crate::wrap::Wrap;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// How a picture holds directions. Angles are in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +70,55 @@ impl Form {
             Self::Equirect => [Wrap::Repeat, Wrap::Clamp],
             Self::Perspective(_) | Self::Stereographic(_) => [Wrap::Border; 2],
             _ => [Wrap::Clamp; 2],
+        }
+    }
+
+    /// The convex piece of the picture around a place on which the inverse map is smooth; `None` where there is none.
+    pub(super) fn piece(self, uv: DVec2) -> Option<usize> {
+        let disc = |centre: DVec2, scale: DVec2| ((uv - centre) / scale).length_squared() <= 1.0;
+        match self {
+            Self::Equirect | Self::Perspective(_) | Self::Stereographic(_) => Some(0),
+            Self::Cube(layout) => {
+                let (columns, rows) = layout.cells();
+                let cell = |x: f64, n: usize| ((x * n as f64) as usize).min(n - 1);
+                Some(cell(uv.y, rows) * columns + cell(uv.x, columns))
+            }
+            Self::Fisheye(..) | Self::LightProbe | Self::MirrorBall => {
+                disc(DVec2::splat(0.5), DVec2::splat(0.5)).then_some(0)
+            }
+            Self::DualParaboloid => {
+                let right = usize::from(uv.x >= 0.5);
+                disc(DVec2::new(0.25 + 0.5 * right as f64, 0.5), DVec2::new(0.25, 0.5)).then_some(right)
+            }
+            Self::Octahedral => {
+                let q = uv - 0.5;
+                let outside = q.x.abs() + q.y.abs() > 0.5;
+                Some(usize::from(q.x < 0.0) + 2 * usize::from(q.y < 0.0) + 4 * usize::from(outside))
+            }
+        }
+    }
+
+    /// The piece of the sphere around a direction on which the map is smooth; `uv` is its place in a picture of
+    /// `size` pixels. `None` next to the rim of a disc.
+    pub(super) fn patch(self, d: DVec3, uv: DVec2, [width, height]: [usize; 2]) -> Option<usize> {
+        /// Pixels from the rim.
+        const RIM: f64 = 2.0;
+        let inside = |centre: DVec2, radius: DVec2| {
+            let margin = RIM / DVec2::new(width as f64, height as f64);
+            ((uv - centre) / (radius - margin).max(DVec2::splat(1e-9))).length_squared() < 1.0
+        };
+        match self {
+            Self::Equirect | Self::Perspective(_) | Self::Stereographic(_) | Self::Cube(_) => Some(0),
+            Self::Fisheye(..) | Self::LightProbe | Self::MirrorBall => {
+                inside(DVec2::splat(0.5), DVec2::splat(0.5)).then_some(0)
+            }
+            Self::DualParaboloid => {
+                let right = usize::from(d.z < 0.0);
+                inside(DVec2::new(0.25 + 0.5 * right as f64, 0.5), DVec2::new(0.25, 0.5)).then_some(right)
+            }
+            Self::Octahedral => {
+                Some(usize::from(d.x < 0.0) + 2 * usize::from(d.y < 0.0) + 4 * usize::from(d.z < 0.0))
+            }
         }
     }
 

@@ -1,47 +1,72 @@
 //! Panoramas: from one form of a picture of all directions to another, at any rotation.
 //!
-//! A pixel of the target is a direction and two tangents; the rotation turns them, the source's map answers with
-//! a place and an analytic Jacobian, and the filter averages that footprint. Where the source's map bends within a
-//! pixel (towards a pole, across an edge of a cube), the pixel is cut into parts that each have their own place and
-//! footprint, and their mean is taken in linear light. Work is done in bands of rows, so memory beyond the two
-//! pictures stays the same for any size.
+//! Where the map from the target's pixels to the source is smooth, which is nearly everywhere, rectangles of pixels are
+//! read by vector kernels at several points a pixel, from polynomials that are the map to 1/128 texel ([`tile`]). Around poles,
+//! rims and folds, and for filters that are asked for by name, every pixel has a place and an analytic Jacobian, or several,
+//! for the filter ([`rest`]). Work is done in bands of rows, so memory beyond the two pictures stays the same for any size.
 //!
-//! Seams: an equirectangular picture repeats along u; a face of a cube carries one texel of its neighbours around it.
+//! Seams: an equirectangular picture repeats along u; a face of a cube carries one texel of its neighbours around it, on
+//! every level.
 
+mod chart;
 mod form;
+mod pictures;
+mod rest;
 mod source;
+mod tile;
 
 pub use form::Form;
 
-use super::WarpOptions;
-use crate::encode::encode;
+use super::{WarpOptions, border_codes};
+use crate::encode::{Encoding, Format};
 use crate::error::{Error, Result};
-use crate::filter::Query;
-use crate::image::{AnyView, Element, Image, for_any};
-use crate::mapping::Mapping;
-use crate::num::Real;
+use crate::filter::Filter;
+use crate::image::{AnyView, Element, Image, Pixels, View, for_any, zeros};
+use crate::kernel::Isa;
+use crate::kernel::remap::{Interpolation, Sample};
+use crate::mapping::{Mapping, Tangents};
 use crate::par;
 use glam::{DMat3, DVec2, DVec3};
-use source::{NOWHERE, Source};
+use pictures::Pictures;
+use rest::Rest;
+use source::Source;
+use std::sync::Mutex;
+use tile::{SIDE, Show, Tiles};
 
-/// Pixels of a band: large enough to keep all threads busy.
-const BAND: usize = 1 << 16;
-/// Pixels that one thread plans at a time.
-const TILE: usize = 1024;
+/// Bands of rows between two looks at the clock.
+const BANDS: usize = 8;
+/// Pixels from a pole within which the map is not left to polynomials, about.
+const NEAR: f64 = 24.0;
+/// Longest footprint, in widths, around poles.
+const LONGEST: f64 = 256.0;
 
-/// Footprints of one texel and this more, by rounding, are one texel.
-const SLACK: f64 = 1e-6;
-
-/// One part of a pixel: which texture, and where.
+/// The picture that is made.
 #[derive(Clone, Copy)]
-struct Part {
-    texture: usize,
-    query: Query,
+struct Target<'a> {
+    form: Form,
+    map: &'a dyn Mapping,
+    size: [usize; 2],
+    rotation: DMat3,
+}
+
+impl Target<'_> {
+    /// The direction in the source's frame at a place within pixel `i`, in 0..=1, and what one part right and
+    /// one part down add to it, `parts` a pixel; `None` outside the picture.
+    fn direction(&self, i: usize, within: DVec2, parts: f64) -> Option<(DVec3, Tangents)> {
+        let size = DVec2::new(self.size[0] as f64, self.size[1] as f64);
+        let corner = DVec2::new((i % self.size[0]) as f64, (i / self.size[0]) as f64);
+        let found = self.map.inverse_at((corner + within) / size)?;
+        let (dx, dy) = (found.du / (size.x * parts), found.dv / (size.y * parts));
+        Some((self.rotation * found.p, [self.rotation * dx, self.rotation * dy]))
+    }
 }
 
 /// Converts a panorama. `rotation` turns a direction of the target into one of the source; both are in the frame x
 /// right, y up, z forward. Pixels outside the target's picture (corners of discs, empty cells of a cross) and
 /// directions that the source does not hold get the border colour. `options.wrap` is not read: the form knows it.
+///
+/// [`Filter::Auto`] is the mean over each pixel's footprint; where source and target are the same picture in another
+/// layout, it is that picture.
 ///
 /// # Errors
 /// [`Error::Value`] for a rotation that is not orthonormal, forms that cannot have these sizes, and options that do
@@ -50,11 +75,12 @@ pub fn convert(
     image: AnyView<'_>,
     source: Form,
     target: Form,
-    [width, height]: [usize; 2],
+    size: [usize; 2],
     rotation: DMat3,
     options: &WarpOptions,
 ) -> Result<Image> {
-    crate::image::check_size("size", width, height, image.channels())?;
+    let channels = image.channels();
+    crate::image::check_size("size", size[0], size[1], channels)?;
     options.sampler.check()?;
     let off = rotation * rotation.transpose() - DMat3::IDENTITY;
     let error =
@@ -62,120 +88,156 @@ pub fn convert(
     if error > 1e-6 {
         return Err(Error::value("rotation", rotation, "an orthonormal matrix"));
     }
-    let map = target.mapping("size", width, height)?;
-    let read = Source::new(image, source, options)?;
-    let job = Job { source: &read, form: source, target: &*map, size: [width, height], rotation, options };
+    let map = target.mapping("size", size[0], size[1])?;
+    let target = Target { form: target, map: &*map, size, rotation };
     for_any!(AnyView, image, view => {
-        let mut out = vec![view.data()[0]; width * height * view.channels()];
-        if read.textures()[0].is_double() { job.run::<_, f64>(&mut out)? } else { job.run::<_, f32>(&mut out)? }
-        Image::new(width, height, view.channels(), out)
+        let out = typed(view, image, source, target, options)?;
+        Image::new(size[0], size[1], channels, out)
     })
 }
 
-struct Job<'a> {
-    source: &'a Source<'a>,
+fn typed<'a, T: Element + Sample>(
+    view: View<'a, T>,
+    image: AnyView<'a>,
     form: Form,
-    target: &'a dyn Mapping,
-    size: [usize; 2],
-    rotation: DMat3,
-    options: &'a WarpOptions,
+    target: Target<'_>,
+    options: &WarpOptions,
+) -> Result<Vec<T>>
+where
+    View<'a, T>: Into<AnyView<'a>>,
+    Pixels: From<Vec<T>>,
+{
+    let map = form.mapping("image", image.width(), image.height())?;
+    let border = border_codes(image.dtype(), image.channels(), options)?;
+    let format = Format::new(options.encoding, options.alpha, image.channels())?;
+    let pixels = target.size[0] * target.size[1];
+    let mut out = zeros::<T>("size", pixels * image.channels())?;
+    let Some(show) = show([image.width(), image.height()], form, target, format, options) else {
+        let source = Source::new(image, form, &border, options, near_poles(target, image.height()))?;
+        Rest { source: &source, form, target, options }.all(pixels, |i| i, &mut out)?;
+        return Ok(out);
+    };
+    let pictures = Pictures::new(view, form, format, &border)?;
+    let tiles = Tiles {
+        pictures,
+        form,
+        map: &*map,
+        target_form: target.form,
+        target: target.map,
+        size: target.size,
+        rotation: target.rotation,
+        show,
+        isa: Isa::current(),
+    };
+    let rest = quick(&tiles, &mut out)?;
+    if !rest.is_empty() {
+        let mut options = options.clone();
+        options.sampler.filter = match show {
+            Show::Centre(Interpolation::Nearest) => Filter::Nearest,
+            Show::Centre(_) => options.sampler.filter,
+            // Next to a pole footprints are long and thin.
+            Show::Mean if form == Form::Equirect => Filter::Anisotropic,
+            Show::Mean => Filter::Area,
+        };
+        options.sampler.max_anisotropy = LONGEST;
+        let source = Source::new(image, form, &border, &options, near_poles(target, image.height()))?;
+        Rest { source: &source, form, target, options: &options }.all(rest.len(), |i| rest[i], &mut out)?;
+    }
+    Ok(out)
 }
 
-impl Job<'_> {
-    /// The parts of pixel `i`, appended to `parts`; how many a side.
-    fn plan(&self, i: usize, parts: &mut Vec<Part>) -> usize {
-        let [width, height] = self.size.map(|n| n as f64);
-        let (x, y) = ((i % self.size[0]) as f64, (i / self.size[0]) as f64);
-        let part = |at: DVec2, k: f64| {
-            let found = self.target.inverse_at(at / DVec2::new(width, height))?;
-            let (dx, dy) = (self.rotation * found.du / (width * k), self.rotation * found.dv / (height * k));
-            Some((self.rotation * found.p, [dx, dy]))
-        };
-        let read = |at: Option<_>| match at {
-            Some((d, dd)) => self.source.query(d, dd),
-            None => (0, NOWHERE),
-        };
-        let middle = part(DVec2::new(x + 0.5, y + 0.5), 1.0);
-        let (texture, query) = read(middle);
-        // A pixel within a texel is one look-up: there is nothing in it to average.
-        let most = (query.jacobian_tx.axes().sigma1 - SLACK).ceil().max(1.0) as usize;
-        let reach = |dd: [DVec3; 2]| dd[0].length().max(dd[1].length());
-        let count = middle.map_or(1, |(d, dd)| self.form.parts(d, reach(dd)).min(most));
-        if count == 1 {
-            parts.push(Part { texture, query: Query { index: i as u64 * 256, ..query } });
-            return 1;
+impl Rest<'_> {
+    /// [`Rest::fill`] in the precision of the source.
+    fn all<T: Element>(
+        &self,
+        count: usize,
+        pixel: impl Fn(usize) -> usize + Sync,
+        out: &mut [T],
+    ) -> Result<()> {
+        if T::DTYPE == crate::texel::DType::F64 {
+            self.fill::<T, f64>(count, pixel, out)
+        } else {
+            self.fill::<T, f32>(count, pixel, out)
         }
-        for k in 0..count * count {
-            let inside = DVec2::new((k % count) as f64 + 0.5, (k / count) as f64 + 0.5) / count as f64;
-            let (texture, query) = read(part(DVec2::new(x, y) + inside, count as f64));
-            parts.push(Part { texture, query: Query { index: (i * 256 + k) as u64, ..query } });
-        }
-        count
     }
+}
 
-    /// Fills the picture band by band; averages are in `R`.
-    fn run<T: Element, R: Real>(&self, out: &mut [T]) -> Result<()> {
-        let channels = self.source.textures()[0].channels();
-        let rows = (BAND / self.size[0]).max(1);
-        let band_pixels = rows * self.size[0];
-        for (band, out) in out.chunks_mut(band_pixels * channels).enumerate() {
-            let pixels = out.len() / channels;
-            let mut plans: Vec<(Vec<Part>, Vec<usize>)> = vec![Default::default(); pixels.div_ceil(TILE)];
-            par::for_each(plans.iter_mut(), |tile, (parts, counts)| {
-                let last = pixels.min((tile + 1) * TILE);
-                counts.extend((tile * TILE..last).map(|i| self.plan(band * band_pixels + i, parts)));
-                Ok(())
-            })?;
-            let (parts, counts): (Vec<_>, Vec<_>) = plans.into_iter().unzip();
-            let (parts, counts) = (parts.concat(), counts.concat());
-            let values = self.sample::<R>(&parts, channels)?;
-            self.finish(&values, &counts, channels, out);
-        }
-        Ok(())
+/// Rows of an equirectangular source from a pole within which a pixel of the target may look over it.
+fn near_poles(target: Target<'_>, height: usize) -> f64 {
+    let middle = (target.size[1] / 2) * target.size[0] + target.size[0] / 2;
+    let reach = target
+        .direction(middle, DVec2::splat(0.5), 1.0)
+        .map_or(f64::INFINITY, |(_, [dx, dy])| dx.length().max(dy.length()));
+    NEAR * (reach * height as f64 / std::f64::consts::PI).max(1.0)
+}
+
+/// What the kernels are to show of each pixel; `None` where only filters can.
+fn show(
+    [width, height]: [usize; 2],
+    form: Form,
+    target: Target<'_>,
+    format: Format,
+    options: &WarpOptions,
+) -> Option<Show> {
+    let sampler = &options.sampler;
+    if sampler.filter == Filter::Nearest {
+        return Some(Show::Centre(Interpolation::Nearest));
     }
-
-    /// The filtered value of every part.
-    fn sample<R: Real>(&self, parts: &[Part], channels: usize) -> Result<Vec<R>> {
-        let sampler = &self.options.sampler;
-        let mut values = vec![R::ZERO; parts.len() * channels];
-        if let [texture] = self.source.textures() {
-            sampler.sample_places(texture, parts.len(), &|i| (parts[i].query, None), &mut values)?;
-            return Ok(values);
-        }
-        for (k, texture) in self.source.textures().iter().enumerate() {
-            let own: Vec<usize> = (0..parts.len()).filter(|i| parts[*i].texture == k).collect();
-            let mut found = vec![R::ZERO; own.len() * channels];
-            sampler.sample_places(texture, own.len(), &|i| (parts[own[i]].query, None), &mut found)?;
-            for (i, value) in own.into_iter().zip(found.chunks_exact(channels)) {
-                values[i * channels..][..channels].copy_from_slice(value);
-            }
-        }
-        Ok(values)
+    let same = match (form, target.form) {
+        (Form::Cube(from), Form::Cube(to)) => width / from.cells().0 == target.size[0] / to.cells().0,
+        (from, to) => from == to && [width, height] == target.size,
+    };
+    if same && target.rotation == DMat3::IDENTITY && sampler.filter == Filter::Auto {
+        return Some(Show::Centre(Interpolation::Nearest));
     }
+    if format.encoding != Encoding::Linear || format.multiplies() {
+        // Codes may not be averaged as they stand.
+        return None;
+    }
+    match sampler.filter {
+        Filter::Auto if sampler.tolerance.is_none() => Some(Show::Mean),
+        Filter::Bilinear => Some(Show::Centre(Interpolation::Bilinear)),
+        _ => None,
+    }
+}
 
-    /// Means of the parts of each pixel, as codes.
-    fn finish<T: Element, R: Real>(&self, values: &[R], counts: &[usize], channels: usize, out: &mut [T]) {
-        let texture = &self.source.textures()[0];
-        let (format, dtype) = (texture.format(), texture.dtype());
-        // Straight colour is averaged by its alpha.
-        let alpha = if format.multiplies() { format.alpha_channel() } else { None };
-        let mut first = 0;
-        for (pixel, count) in out.chunks_exact_mut(channels).zip(counts) {
-            let parts = &values[first * channels..][..count * count * channels];
-            first += count * count;
-            let weight = |part: &[R], c: usize| match alpha {
-                Some(a) if a != c && *count > 1 => part[a].to_f64(),
-                _ => 1.0,
-            };
-            for (c, code) in pixel.iter_mut().enumerate() {
-                let (mut sum, mut total) = (0.0, 0.0);
-                for part in parts.chunks_exact(channels) {
-                    sum += part[c].to_f64() * weight(part, c);
-                    total += weight(part, c);
+/// Fills what is smooth; answers with the pixels that are not.
+fn quick<'a, T: Element + Sample>(tiles: &Tiles<'a, '_, T>, out: &mut [T]) -> Result<Vec<usize>>
+where
+    View<'a, T>: Into<AnyView<'a>>,
+    Pixels: From<Vec<T>>,
+{
+    let channels = tiles.pictures.channels();
+    let band = SIDE * tiles.size[0] * channels;
+    let (total, mut done) = (out.len(), 0);
+    let mut rest = Vec::new();
+    for (group, out) in out.chunks_mut(BANDS * band).enumerate() {
+        done += out.len();
+        let found = Mutex::new(Vec::new());
+        par::for_each(out.chunks_mut(band), |i, out| {
+            let first = (group * BANDS + i) * SIDE;
+            let mut own = Vec::new();
+            tiles.band(first, out, &mut own)?;
+            let base = first * tiles.size[0];
+            own.retain(|pixel| {
+                // Where there is no direction nothing is to be filtered.
+                let at = |x: f64, y: f64| {
+                    DVec2::new((pixel % tiles.size[0]) as f64 + x, (pixel / tiles.size[0]) as f64 + y)
+                        / DVec2::new(tiles.size[0] as f64, tiles.size[1] as f64)
+                };
+                let there = tiles.target.inverse_at(at(0.5, 0.5)).is_some();
+                if !there {
+                    out[(pixel - base) * channels..][..channels].copy_from_slice(tiles.pictures.border());
                 }
-                let mean = if total == 0.0 { 0.0 } else { sum / total };
-                *code = T::from_f64(encode(format.channel_encoding(c), dtype, mean));
-            }
-        }
+                there
+            });
+            found.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((i, own));
+            Ok(())
+        })?;
+        let mut found = found.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+        found.sort_unstable_by_key(|(i, _)| *i);
+        rest.extend(found.into_iter().flat_map(|(_, own)| own));
+        par::check_interrupt(done as f64 / total as f64)?;
     }
+    Ok(rest)
 }
