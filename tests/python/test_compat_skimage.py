@@ -316,3 +316,19 @@ def test_splines_of_colour_images_are_those_of_their_channels() -> None:
         for k in range(3):
             want, _ = outcome(theirs.warp, image[..., k], turned, order=order, mode="symmetric", clip=False)
             np.testing.assert_allclose(got[..., k], want, rtol=0, atol=1e-12)
+
+
+def test_warnings_begin_with_the_words_that_programs_filter_by() -> None:
+    image = np.random.default_rng(0).random((9, 9))
+    for words, name, arguments, options in (
+        ("Bi-quadratic.*bug", "warp", (image, np.eye(3)), {"order": 2}),
+        (
+            "Anti-aliasing standard deviation greater",
+            "resize",
+            (image, (4, 12)),
+            {"anti_aliasing": True, "anti_aliasing_sigma": 1.0},
+        ),
+    ):
+        for module in (theirs, ours):
+            with pytest.warns(UserWarning, match=words):
+                getattr(module, name)(*arguments, **options)

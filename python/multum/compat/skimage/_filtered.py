@@ -21,7 +21,9 @@ _WRAPS = {
 
 def warn_of_order_two() -> None:
     """scikit-image warns at order 2; so do we, at the caller of the caller."""
-    warnings.warn("order 2 is SciPy's spline; consider 1 or 3", UserWarning, stacklevel=3)
+    # Programs look for these words.
+    message = "Bi-quadratic interpolation (order 2) is SciPy's spline, for a bug of scikit-image's own; take 1 or 3"
+    warnings.warn(message, UserWarning, stacklevel=3)
 
 
 def replace_minified(

@@ -44,7 +44,9 @@ def _deviations(given: Any, factors: NDArray[np.float64]) -> NDArray[np.float64]
     if (sigmas < 0).any():
         raise ValueError(f"anti_aliasing_sigma: got {given!r}, expected no negative numbers")
     if ((sigmas > 0) & (factors <= 1)).any():
-        warnings.warn("anti_aliasing_sigma: smooths axes that do not shrink", UserWarning, stacklevel=4)
+        # Programs look for these words.
+        message = "Anti-aliasing standard deviation greater than zero along an axis that does not shrink"
+        warnings.warn(message, UserWarning, stacklevel=4)
     return sigmas
 
 
