@@ -22,7 +22,9 @@ _WRAPS = {
 def warn_of_order_two() -> None:
     """scikit-image warns at order 2; so do we, at the caller of the caller."""
     # Programs look for these words.
-    message = "Bi-quadratic interpolation (order 2) is SciPy's spline, for a bug of scikit-image's own; take 1 or 3"
+    message = (
+        "Bi-quadratic interpolation is SciPy's spline here, for a bug in scikit-image; take order 1 or 3"
+    )
     warnings.warn(message, UserWarning, stacklevel=3)
 
 
