@@ -5,36 +5,22 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import DTypeLike
 
-from ... import _multum
 from . import _filtered
 from ._images import (
-    EVERYTHING,
     NDIMAGE_MODES,
     Array,
     Floats,
     as_floats,
     checked_mode,
     checked_order,
-    clip_to_input,
-    element,
-    joined,
-    limits,
     plain,
     scipy_ndimage,
     whole_numbers,
 )
 from ._matrices import apply, matrix_of
-
-Planes = tuple[NDArray[np.float64], NDArray[np.float64]]
-_WRAPS = {
-    "constant": "border",
-    "edge": "clamp",
-    "symmetric": "mirror",
-    "reflect": "mirror_101",
-    "wrap": "repeat",
-}
+from ._read import Planes, by_matrix, clipped, linear, nearest
 
 
 def warp(
@@ -109,12 +95,12 @@ def warp(
     if min(size) < 0:
         raise ValueError(f"output_shape: got {size}, expected no negative numbers")
     if order == 0 and matrix is not None:
-        return _nearest(image, size, mode, cval, clip, matrix=matrix)
+        return nearest(image, size, mode, cval, clip, matrix=matrix)
     source = as_floats(image, preserve_range) if order else Floats(plain(image), 1.0)
     if matrix is not None and order in (1, 3):
         # Positions of single images are computed in singles.
         matrix = matrix.astype(source.dtype)
-        out = _by_matrix(source, matrix, size, order, mode, cval, clip)
+        out = by_matrix(source, matrix, size, order, mode, cval, clip)
         if antialias:
             _filtered.replace_minified(out, source, matrix.astype(float), mode, cval)
         return out
@@ -142,9 +128,9 @@ def _on_planes(
     """A picture, with or without channels, at columns and rows of shape (h, w)."""
     shape = places[0].shape
     if order == 0:
-        return _nearest(image, (shape[0], shape[1]), mode, cval, clip, planes=places)
+        return nearest(image, (shape[0], shape[1]), mode, cval, clip, planes=places)
     if order == 1:
-        out = _linear(source, shape, mode, cval, clip, planes=places)
+        out = linear(source, shape, mode, cval, clip, planes=places)
     else:
         ndimage = scipy_ndimage(f"order {order}")
         options = {"order": order, "mode": NDIMAGE_MODES[mode], "cval": cval}
@@ -156,7 +142,7 @@ def _on_planes(
             out = np.empty((*shape, whole.shape[2]), whole.dtype)
             for k in range(whole.shape[2]):
                 ndimage.map_coordinates(whole[..., k], rows_first, output=out[..., k], **options)
-        _clip(out, Floats(whole, 1.0), mode, cval, clip)
+        clipped(out, Floats(whole, 1.0), mode, cval, clip)
     if antialias:
         _filtered.replace_minified(out, source, places, mode, cval)
     return out
@@ -190,7 +176,7 @@ def _at_coordinates(
     options = {"order": order, "mode": NDIMAGE_MODES[mode], "cval": cval, "prefilter": order > 1}
     out: Array = ndimage.map_coordinates(whole, coordinates, **options)
     if order:
-        _clip(out, Floats(whole, 1.0), mode, cval, clip)
+        clipped(out, Floats(whole, 1.0), mode, cval, clip)
     return out
 
 
@@ -207,97 +193,8 @@ def _through_channels(
     options = {"order": order, "mode": NDIMAGE_MODES[mode], "cval": cval, "prefilter": order > 1}
     out: Array = ndimage.map_coordinates(whole, np.stack([rows, columns, channels]), **options)
     if order:
-        _clip(out, Floats(whole, 1.0), mode, cval, clip)
+        clipped(out, Floats(whole, 1.0), mode, cval, clip)
     return out
-
-
-def _clip(out: Array, source: Floats, mode: str, cval: float, clip: bool) -> None:
-    if clip:
-        bounds = limits(Floats(plain(source.array), 1.0))
-        np.clip(out, *joined(bounds, mode, cval), out=out)
-        clip_to_input(out, bounds, mode, cval)
-
-
-def _pixels(array: Array) -> Array:
-    """(H, W, C), of the same memory."""
-    return array[..., np.newaxis] if array.ndim == 2 else array
-
-
-def _by_matrix(
-    source: Floats, matrix: Array, size: tuple[int, int], order: int, mode: str, cval: float, clip: bool
-) -> Array:
-    if order == 1:
-        return _linear(source, size, mode, cval, clip, matrix=matrix)
-    array = _pixels(source.whole())
-    out = np.empty((*size, array.shape[2]), array.dtype)
-    manner = {
-        "interpolation": "bicubic",
-        "slope": -0.5,
-        "grid": "exact",
-        "wrap": (_WRAPS[mode], _WRAPS[mode]),
-        "outside": "colour",
-        "border": [float(cval)] * array.shape[2],
-        "threads": None,
-    }
-    _multum.interpolate(array, None, None, [float(v) for v in matrix.flat], manner, out)
-    _clip(out, Floats(array, 1.0), mode, cval, clip)
-    return out[..., 0] if source.array.ndim == 2 else out
-
-
-def _linear(
-    source: Floats,
-    size: tuple[int, ...],
-    mode: str,
-    cval: float,
-    clip: bool,
-    *,
-    matrix: Array | None = None,
-    planes: Planes | None = None,
-) -> Array:
-    array = _pixels(source.array)
-    out = np.empty((*size, array.shape[2]), source.dtype)
-    bounds = limits(source) if clip else EVERYTHING
-    numbers = None if matrix is None else [float(v) for v in matrix.flat]
-    nowhere = math.nan if mode in ("constant", "edge") else float(cval)
-    if out.size:
-        _multum.lerp_image(
-            array, numbers, planes, mode, source.factor, float(cval), nowhere, joined(bounds, mode, cval), out
-        )
-    if clip:
-        clip_to_input(out, bounds, mode, cval)
-    return out[..., 0] if source.array.ndim == 2 else out
-
-
-def _nearest(
-    image: Array,
-    size: tuple[int, int],
-    mode: str,
-    cval: float,
-    clip: bool,
-    *,
-    matrix: Array | None = None,
-    planes: Planes | None = None,
-) -> Array:
-    """Copies of pixels of any type; their bytes travel as unsigned integers."""
-    array = _pixels(plain(image))
-    itemsize = array.dtype.itemsize
-    carrier = np.dtype(f"u{min(itemsize, 8)}") if itemsize in (1, 2, 4, 8, 16) else None
-    if carrier is None or array.dtype.kind not in "biufc":
-        raise RuntimeError(f"image: got dtype {array.dtype}, expected numbers")
-    beyond = np.full(array.shape[2], element(cval, array.dtype))
-    out = np.empty((*size, array.shape[2]), array.dtype)
-    numbers = None if matrix is None else [float(v) for v in matrix.flat]
-    if out.size:
-        _multum.nearest_image(
-            array.view(carrier), numbers, planes, mode, beyond.view(carrier), out.view(carrier)
-        )
-    if clip and mode == "constant" and out.size and array.dtype.kind in "iub" and beyond[0] != cval:
-        # What lies outside was rounded, perhaps beyond the input's range, which alone counts then.
-        low, high = array.min(), array.max()
-        if not low <= cval <= high and out.min() <= cval <= out.max():
-            low, high = min(low, array.dtype.type(cval)), max(high, array.dtype.type(cval))
-        np.clip(out, low, high, out=out)
-    return out[..., 0] if np.ndim(image) == 2 else out
 
 
 def _planes(mapping: Callable[[Array], Any], size: tuple[int, int]) -> Planes:
