@@ -55,8 +55,12 @@ pub mod sat;
 pub mod texel;
 pub mod wrap;
 
+mod bounds;
+mod detail;
+
 pub mod texture;
 
+mod footprint;
 pub mod lod;
 
 pub mod filter;
@@ -87,7 +91,7 @@ pub mod oracle;
 pub mod python;
 
 pub use crate::error::{Error, Result};
-pub use crate::filter::Filter;
+pub use crate::filter::{Effort, Filter};
 pub use crate::image::{AnyView, Image, Pixels, View};
 pub use crate::jacobian::Jacobian;
 pub use crate::lod::LodRule;

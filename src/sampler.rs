@@ -6,7 +6,9 @@ use crate::filter::{
     BLOCK, Block, Cubic, Filter, Probes, Query, Reader, Samples, anisotropic, bicubic, bicubic_gradient,
     bilinear, bilinear_gradient,
 };
-use crate::filter::{area, auto, bounded, ewa, exact, mipmap, nearest, sat, stochastic};
+use crate::filter::{Effort, area, auto, auto_within, bounded, effort, ewa, exact, is_smooth};
+use crate::filter::{mipmap, nearest, sat, stochastic};
+use crate::footprint::Bend;
 use crate::image::Element;
 use crate::jacobian::Jacobian;
 use crate::kernel::lanes::with_lanes;
@@ -15,7 +17,7 @@ use crate::lod::LodRule;
 use crate::num::Real;
 use crate::par;
 use crate::texel::{DType, f16};
-use crate::texture::{Decode, Decoder, Plain, Texture};
+use crate::texture::{Decode, Decoder, Layers, Plain, Texture};
 
 /// Samples a tile: small enough to balance, large enough to be worth a hand-over.
 const TILE: usize = 4096;
@@ -158,7 +160,7 @@ impl<U: Coordinate> Fill for Arrays<'_, U> {
         for (k, (slot, uv)) in queries.iter_mut().zip(uv).enumerate() {
             let index = (first + k) as u64;
             let (s, t) = (uv[0].into() * w, uv[1].into() * h);
-            *slot = (Query { s, t, jacobian_tx: Jacobian::ZERO, index }, None);
+            *slot = (Query { s, t, index, ..Query::NOWHERE }, None);
         }
         match self.extent {
             Extent::Point => {}
@@ -323,28 +325,34 @@ impl Sampler {
         extent: Extent<'_, U>,
         out: &mut [O],
     ) -> Result<()> {
+        let samples = self.fits(uv, extent)?;
+        let numbers = samples * texture.channels();
+        if out.len() != numbers {
+            let expected = format!("{numbers} for {samples} samples");
+            return Err(Error::value("out", format!("{} numbers", out.len()), expected));
+        }
+        let (w, h) = (texture.width() as f64, texture.height() as f64);
+        self.sample_filled(texture, samples, &Arrays { uv, extent, size: [w, h] }, out)
+    }
+
+    /// The number of samples, if options and lengths are in order.
+    fn fits<U: Coordinate>(&self, uv: &[U], extent: Extent<'_, U>) -> Result<usize> {
         self.check()?;
         let samples = uv.len() / 2;
         let expect = |argument, got: usize, expected: usize| {
             if got == expected {
-                Ok(())
-            } else {
-                Err(Error::value(
-                    argument,
-                    format!("{got} numbers"),
-                    format!("{expected} for {samples} samples"),
-                ))
+                return Ok(());
             }
+            let expected = format!("{expected} for {samples} samples");
+            Err(Error::value(argument, format!("{got} numbers"), expected))
         };
         expect("uv", uv.len(), samples * 2)?;
-        expect("out", out.len(), samples * texture.channels())?;
         match extent {
             Extent::Point => {}
             Extent::Jacobian(jacobian) => expect("jacobian", jacobian.len(), samples * 4)?,
             Extent::Lod(lod) => expect("lod", lod.len(), samples)?,
         }
-        let (w, h) = (texture.width() as f64, texture.height() as f64);
-        self.sample_filled(texture, samples, &Arrays { uv, extent, size: [w, h] }, out)
+        Ok(samples)
     }
 
     /// Samples at the places that `places(i)` names: a query in texels of level 0, and a level of detail
@@ -395,6 +403,121 @@ impl Sampler {
         }
     }
 
+    /// What each sample of a batch costs, and on which level it is made: texels and entries of tables that the filter
+    /// looks at, all channels together, and the level of detail, by share of the footprint where there are several.
+    ///
+    /// # Errors
+    /// As [`Sampler::sample`].
+    pub fn survey<U: Coordinate>(
+        &self,
+        texture: &Texture<'_>,
+        uv: &[U],
+        extent: Extent<'_, U>,
+    ) -> Result<Vec<Effort>> {
+        let samples = self.fits(uv, extent)?;
+        let size = [texture.width() as f64, texture.height() as f64];
+        self.survey_filled(texture, samples, &Arrays { uv, extent, size })
+    }
+
+    /// As [`Sampler::survey`], at the places that `places(i)` names.
+    pub(crate) fn survey_places(
+        &self,
+        texture: &Texture<'_>,
+        samples: usize,
+        places: &Places<'_>,
+    ) -> Result<Vec<Effort>> {
+        self.survey_filled(texture, samples, &Each(places))
+    }
+
+    fn survey_filled(&self, texture: &Texture<'_>, samples: usize, places: &dyn Fill) -> Result<Vec<Effort>> {
+        let mut out = crate::image::zeros::<f32>("out", 2 * samples)?;
+        match texture.stored_dtype() {
+            DType::U8 => self.efforts::<u8>(texture, places, &mut out),
+            DType::U16 => self.efforts::<u16>(texture, places, &mut out),
+            DType::F16 => self.efforts::<f16>(texture, places, &mut out),
+            DType::F32 => self.efforts::<f32>(texture, places, &mut out),
+            DType::F64 => self.efforts::<f64>(texture, places, &mut out),
+        }?;
+        Ok(out.chunks_exact(2).map(|pair| Effort { cost: pair[0], lod: pair[1] }).collect())
+    }
+
+    /// Adds the cost of every group of channels; the level is that of the first.
+    fn efforts<T: Element>(&self, texture: &Texture<'_>, places: &dyn Fill, out: &mut [f32]) -> Result<()> {
+        for group in 0..texture.num_groups() {
+            let layers = self.layers::<T>(texture, group)?;
+            let isa = Isa::current();
+            par::for_each(out.chunks_mut(2 * BLOCK), |block, out| {
+                let mut queries = [(Query::NOWHERE, None); BLOCK];
+                let queries = &mut queries[..out.len() / 2];
+                places.fill(block * BLOCK, queries);
+                let put = |effort: &dyn Fn(&Query, Option<f32>) -> Effort, out: &mut [f32]| {
+                    for ((query, lod), pair) in queries.iter().zip(out.chunks_exact_mut(2)) {
+                        let found = effort(query, *lod);
+                        pair[0] += found.cost;
+                        if group == 0 {
+                            pair[1] = found.lod;
+                        }
+                    }
+                };
+                if layers.decoder.is_plain() {
+                    let plain = Plain { full_scale: layers.decoder.full_scale };
+                    let reader = Reader::new(&layers, plain, isa);
+                    put(&|query, lod| self.effort(&reader, query, lod), out);
+                } else {
+                    let reader = Reader::new(&layers, layers.decoder, isa);
+                    put(&|query, lod| self.effort(&reader, query, lod), out);
+                }
+                Ok(())
+            })?;
+        }
+        Ok(())
+    }
+
+    /// What one sample takes.
+    fn effort<T: Element, D: Decode<T>>(
+        &self,
+        r: &Reader<'_, T, D>,
+        query: &Query,
+        lod: Option<f32>,
+    ) -> Effort {
+        if !(query.s.is_finite() && query.t.is_finite()) {
+            return Effort::default();
+        }
+        let cut = self.parts(r, query, lod);
+        let detail = lod.unwrap_or_else(|| self.lod_rule.lod(query.jacobian_tx)) + self.lod_bias;
+        let straight = |query: &Query| {
+            let query = query.with_lod(lod, self.lod_bias);
+            effort(r, self.filter, &query, detail, self.max_anisotropy, self.tolerance, ease(cut))
+        };
+        if cut == [1, 1] {
+            return straight(query);
+        }
+        let mut sum = Effort::default();
+        let count = (cut[0] * cut[1]) as f32;
+        for j in 0..cut[1] {
+            for i in 0..cut[0] {
+                let part = straight(&query.part(cut, [i, j]));
+                sum.cost += part.cost;
+                sum.lod += part.lod / count;
+            }
+        }
+        sum
+    }
+
+    /// The levels and tables that the filter reads. They are made here, on the calling thread, before work is handed out.
+    fn layers<'t, T: Element>(&self, texture: &'t Texture<'_>, group: usize) -> Result<Layers<'t, T>> {
+        let mut layers = texture.layers::<T>(group, self.filter.uses_levels())?;
+        if self.filter == Filter::Sat {
+            layers.sums = Some(texture.table::<T>(group)?);
+        }
+        match (self.filter, self.tolerance) {
+            (Filter::Auto, Some(_)) => layers.bounds = Some(texture.bounds::<T>(group)?),
+            (Filter::Auto, None) => layers.detail = Some(texture.detail::<T>(group)?),
+            _ => {}
+        }
+        Ok(layers)
+    }
+
     fn batch<T: Element, K: Finish<T, O>, O: Copy + Send>(
         &self,
         texture: &Texture<'_>,
@@ -405,11 +528,7 @@ impl Sampler {
     ) -> Result<()> {
         let channels = texture.channels();
         for group in 0..texture.num_groups() {
-            // Levels are made here, on the calling thread, before work is handed out.
-            let mut layers = texture.layers::<T>(group, self.filter.uses_levels())?;
-            if self.filter == Filter::Sat {
-                layers.sums = Some(texture.table::<T>(group)?);
-            }
+            let layers = self.layers::<T>(texture, group)?;
             let isa = Isa::current();
             let tiles = out.chunks_mut(TILE * channels);
             let run = || {
@@ -486,6 +605,62 @@ impl Sampler {
         query: &Query,
         lod: Option<f32>,
     ) -> [T::Real; 4] {
+        match self.parts(r, query, lod) {
+            [1, 1] => self.straight(r, query, lod, 1.0),
+            parts => self.bent(r, query, parts),
+        }
+    }
+
+    /// Into how many parts the pixel is cut.
+    #[inline(always)]
+    fn parts<T: Element, D: Decode<T>>(
+        &self,
+        r: &Reader<'_, T, D>,
+        query: &Query,
+        lod: Option<f32>,
+    ) -> [u32; 2] {
+        if query.bend == Bend::None || lod.is_some() || !self.filter.follows_shape() {
+            return [1, 1];
+        }
+        let parts = query.bend.parts(query.jacobian_tx);
+        let is_quick = || self.filter == Filter::Auto && self.tolerance.is_none() && is_smooth(r, query);
+        if parts == [1, 1] || is_quick() { [1, 1] } else { parts }
+    }
+
+    /// The mean over the parts of a bent pixel.
+    #[inline(never)]
+    fn bent<T: Element, D: Decode<T>>(
+        &self,
+        r: &Reader<'_, T, D>,
+        query: &Query,
+        parts: [u32; 2],
+    ) -> [T::Real; 4] {
+        // A running mean: equal parts give their value.
+        let mut mean = [T::Real::ZERO; 4];
+        let mut count = 0.0;
+        let ease = ease(parts);
+        for j in 0..parts[1] {
+            for i in 0..parts[0] {
+                let value = self.straight(r, &query.part(parts, [i, j]), None, ease);
+                count += 1.0;
+                let share = T::Real::from_f64(1.0 / count);
+                for (mean, value) in mean.iter_mut().zip(value) {
+                    *mean += share * (value - *mean);
+                }
+            }
+        }
+        mean
+    }
+
+    /// One sample whose footprint is a parallelogram; `ease` times the usual error will do.
+    #[inline(always)]
+    fn straight<T: Element, D: Decode<T>>(
+        &self,
+        r: &Reader<'_, T, D>,
+        query: &Query,
+        lod: Option<f32>,
+        ease: f64,
+    ) -> [T::Real; 4] {
         let (s, t) = (query.s, query.t);
         if !(s.is_finite() && t.is_finite()) {
             return r.outside();
@@ -500,9 +675,13 @@ impl Sampler {
             Filter::Sat => sat(r, &query.with_lod(lod, self.lod_bias)),
             Filter::Exact => exact(r, &query.with_lod(lod, self.lod_bias)),
             Filter::Stochastic => stochastic(r, &query.with_lod(lod, self.lod_bias), self.seed),
-            // Nothing to weigh: the error of the exact mean is rounding.
-            Filter::Auto if self.tolerance.is_some() => exact(r, &query.with_lod(lod, self.lod_bias)),
-            Filter::Auto => auto(r, &query.with_lod(lod, self.lod_bias)),
+            Filter::Auto => {
+                let query = query.with_lod(lod, self.lod_bias);
+                match self.tolerance {
+                    Some(tolerance) => auto_within(r, &query, tolerance),
+                    None => auto(r, &query, ease),
+                }
+            }
             Filter::Anisotropic if lod.is_none() => anisotropic(r, query, self.max_anisotropy, self.lod_bias),
             filter => {
                 let lod = lod.unwrap_or_else(|| self.lod_rule.lod(query.jacobian_tx)) + self.lod_bias;
@@ -510,6 +689,11 @@ impl Sampler {
             }
         }
     }
+}
+
+/// How much more error each of so many parts may have than their mean.
+fn ease(parts: [u32; 2]) -> f64 {
+    f64::from(parts[0] * parts[1]).sqrt()
 }
 
 /// Derivatives of the reconstruction by u and v: `out` receives `texture.channels()` pairs a point.

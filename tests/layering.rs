@@ -17,6 +17,8 @@ const RANKS: &[(&str, u32)] = &[
     ("wrap", 3),
     ("pyramid", 4),
     ("sat", 4),
+    ("bounds", 4),
+    ("detail", 4),
     ("texture", 5),
     ("footprint", 6),
     ("lod", 6),

@@ -10,9 +10,10 @@ from ._raster import Fragments, rasterize
 from ._render import TextureUse, render, right_size
 from ._sat import SummedAreaTable
 from ._sphere import SphereTexture
+from ._survey import Survey
 from ._texture import Texture
 from ._threads import get_num_threads, set_num_threads
-from ._warp import remap, resize, warp
+from ._warp import remap, resize, survey, warp
 from .mapping import checkerboard
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "Scene",
     "SphereTexture",
     "SummedAreaTable",
+    "Survey",
     "Texture",
     "TextureSlot",
     "TextureUse",
@@ -48,6 +50,7 @@ __all__ = [
     "resize",
     "right_size",
     "set_num_threads",
+    "survey",
     "unwrap",
     "vertex_normals",
     "warp",

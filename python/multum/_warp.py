@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _multum
 from ._arguments import count, name, number, numbers, size_pair, wrap_pair
+from ._survey import Survey
 
 Border = float | Sequence[float] | NDArray[Any]
 
@@ -121,6 +122,21 @@ def warp(
     [[100, 100]]
     """
     pixels = np.asarray(image)
+    places, size = _placed(pixels, mapping, shape, wrap)
+    options = _options(pixels, filter, wrap, border, tolerance, encoding, alpha, max_anisotropy, threads)
+    made = _multum.warp_image(pixels, places, size, options, out)
+    if not coverage:
+        return made
+    return made, _multum.warp_coverage((pixels.shape[0], pixels.shape[1]), places, size, options)
+
+
+def _placed(
+    pixels: NDArray[Any],
+    mapping: ArrayLike | Callable[[NDArray[np.float64]], ArrayLike],
+    shape: Sequence[SupportsIndex] | None,
+    wrap: str | Sequence[str],
+) -> tuple[_multum.Places, tuple[int, int]]:
+    """The places of all output pixels and the output's shape."""
     if callable(mapping):
         height, width = size_pair("shape", pixels.shape[:2] if shape is None else shape)
         grid = np.empty((height, width, 2))
@@ -133,7 +149,6 @@ def warp(
         array = array.reshape(height, width, 2)
     else:
         array = np.asarray(mapping)
-    options = _options(pixels, filter, wrap, border, tolerance, encoding, alpha, max_anisotropy, threads)
     if array.ndim == 2 and array.shape[0] in (2, 3) and array.shape[1] == 3:
         if not np.issubdtype(array.dtype, np.number) or np.iscomplexobj(array):
             raise TypeError(f"mapping: got dtype {array.dtype}, expected a matrix of real numbers")
@@ -148,10 +163,53 @@ def warp(
     else:
         expected = "a matrix (2, 3) or (3, 3), a map (H, W, 2) or a callable"
         raise ValueError(f"mapping: got shape {array.shape}, expected {expected}")
-    made = _multum.warp_image(pixels, places, size, options, out)
-    if not coverage:
-        return made
-    return made, _multum.warp_coverage((pixels.shape[0], pixels.shape[1]), places, size, options)
+    return places, size
+
+
+def survey(
+    image: ArrayLike,
+    mapping: ArrayLike | Callable[[NDArray[np.float64]], ArrayLike],
+    shape: Sequence[SupportsIndex] | None = None,
+    *,
+    filter: str = "auto",
+    wrap: str | Sequence[str] = "border",
+    border: Border = 0,
+    tolerance: float | None = None,
+    encoding: str = "linear",
+    alpha: str = "none",
+    max_anisotropy: SupportsFloat | None = 16,
+    threads: int | None = None,
+) -> Survey:
+    """What :func:`multum.warp` with the same arguments spends on each output pixel, and on which level it reads.
+
+    Parameters
+    ----------
+    image, mapping, shape, filter, wrap, border, tolerance, encoding, alpha, max_anisotropy, threads
+        As for :func:`multum.warp`.
+
+    Returns
+    -------
+    Survey
+        ``cost`` and ``lod``, each of shape (height, width), ``float32``; ``picture("cost")`` draws them.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As :func:`multum.warp`.
+
+    Examples
+    --------
+    A grey picture takes one trilinear look-up a pixel, however much it shrinks:
+
+    >>> import numpy as np, multum as mt
+    >>> grey = np.full((64, 64), 90, np.uint8)
+    >>> mt.survey(grey, [[7, 0, 0], [0, 7, 0]], (9, 9), wrap="repeat").cost.max()
+    np.float32(8.0)
+    """
+    pixels = np.asarray(image)
+    places, size = _placed(pixels, mapping, shape, wrap)
+    options = _options(pixels, filter, wrap, border, tolerance, encoding, alpha, max_anisotropy, threads)
+    return Survey(*_multum.warp_survey(pixels, places, size, options))
 
 
 def remap(

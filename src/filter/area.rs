@@ -54,17 +54,35 @@ pub(crate) fn area<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, query: &Query) 
     let height = if longest > 0.0 { query.jacobian_tx.det().abs() / longest } else { 0.0 };
     let height = height.max(longest / LONGEST);
     let (level, fraction) = lod::split(lod::clamp(log2((height / TARGET) as f32), r.last_level()));
-    let fine = on_level(r, level, query);
+    blended(r, level, fraction, query, TRUSTED)
+}
+
+/// The mean over the footprint on a level, towards the coarser end blended with the next; on level 0 by soft weights as far
+/// as their estimated error, a share of the contrast, is less than `trusted`.
+#[inline(always)]
+pub(super) fn blended<T: Texel, D: Decode<T>>(
+    r: &Reader<'_, T, D>,
+    level: usize,
+    fraction: f32,
+    query: &Query,
+    trusted: f64,
+) -> [T::Real; 4] {
+    let fine = on_level(r, level, query, trusted);
     let share = (fraction - (1.0 - BAND)) / BAND;
     if share <= 0.0 {
         return fine;
     }
-    lerp4(fine, on_level(r, level + 1, query), T::Real::from_f64(f64::from(share)))
+    lerp4(fine, on_level(r, level + 1, query, trusted), T::Real::from_f64(f64::from(share)))
 }
 
 /// The mean over the footprint on one level.
 #[inline(always)]
-fn on_level<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, level: usize, query: &Query) -> [T::Real; 4] {
+fn on_level<T: Texel, D: Decode<T>>(
+    r: &Reader<'_, T, D>,
+    level: usize,
+    query: &Query,
+    trusted: f64,
+) -> [T::Real; 4] {
     let place = placed(r, level, query);
     let [[a, b], [c, d]] = place.jacobian.m;
     let (len1, len2) = ((a * a + c * c).sqrt(), (b * b + d * d).sqrt());
@@ -75,7 +93,7 @@ fn on_level<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, level: usize, query: &
         0.0
     } else if level == 0 {
         let cosine = (a * b + c * d).abs() / (len1 * len2);
-        2.0 - (0.03 + 0.42 * cosine) / area / TRUSTED
+        2.0 - (0.03 + 0.42 * cosine) / area / trusted
     } else {
         2.0 * (height - 1.0)
     };

@@ -1,6 +1,7 @@
 //! From a pixel's place and footprint to its colour, one filter a file.
 
 use crate::error::{Error, Result};
+use crate::footprint::Bend;
 use crate::jacobian::Jacobian;
 use crate::kernel::Isa;
 use crate::num::Real;
@@ -12,6 +13,7 @@ mod area;
 mod auto;
 mod bicubic;
 mod bilinear;
+mod effort;
 mod ewa;
 mod exact;
 mod mipmap;
@@ -24,9 +26,12 @@ mod sum;
 
 pub(crate) use anisotropic::anisotropic;
 pub(crate) use area::area;
-pub(crate) use auto::auto;
+use area::blended;
+pub(crate) use auto::{auto, auto_within, is_smooth};
 pub(crate) use bicubic::{Cubic, bicubic, bicubic_gradient};
 pub(crate) use bilinear::{bilinear, bilinear_gradient};
+pub use effort::Effort;
+pub(crate) use effort::effort;
 pub(crate) use ewa::ewa;
 pub(crate) use exact::exact;
 pub(crate) use mipmap::mipmap;
@@ -111,6 +116,11 @@ impl Filter {
         )
     }
 
+    /// Whether the filter is a mean over the pixel's true shape, where that is no parallelogram.
+    pub fn follows_shape(self) -> bool {
+        matches!(self, Self::Auto | Self::Area | Self::Exact)
+    }
+
     /// Whether the filter is the bilinear reconstruction wherever the footprint is at most a texel.
     pub fn magnifies_bilinearly(self) -> bool {
         matches!(
@@ -136,6 +146,8 @@ pub(crate) struct Query {
     pub jacobian_tx: Jacobian,
     /// Which sample of its batch it is: what tells random numbers apart.
     pub index: u64,
+    /// What the Jacobian does not tell of the pixel's shape.
+    pub bend: Bend,
 }
 
 /// A finite number beyond 1e30 cut to that, and one below 1e-30 to zero.
@@ -149,7 +161,8 @@ pub(crate) fn bounded(x: f64) -> f64 {
 
 impl Query {
     /// A point at the origin.
-    pub const NOWHERE: Self = Self { s: 0.0, t: 0.0, jacobian_tx: Jacobian::ZERO, index: 0 };
+    pub const NOWHERE: Self =
+        Self { s: 0.0, t: 0.0, jacobian_tx: Jacobian::ZERO, index: 0, bend: Bend::None };
 
     /// The footprint grown by `bias` octaves; a level of detail given outright makes it a square.
     pub fn with_lod(self, lod: Option<f32>, bias: f32) -> Self {
@@ -161,7 +174,17 @@ impl Query {
             None => (self.jacobian_tx, f64::from(bias)),
         };
         let scale = octaves.exp2();
-        Self { jacobian_tx: jacobian.scaled(scale, scale), ..self }.bounded()
+        Self { jacobian_tx: jacobian.scaled(scale, scale), bend: Bend::None, ..self }.bounded()
+    }
+
+    /// The place and footprint of part (i, j) of the pixel cut into `parts`.
+    pub fn part(&self, parts: [u32; 2], at: [u32; 2]) -> Self {
+        let size = parts.map(|n| 1.0 / f64::from(n));
+        let d = [0, 1].map(|k| (f64::from(at[k]) + 0.5) * size[k] - 0.5);
+        let [ds, dt] = self.bend.offset(self.jacobian_tx, d);
+        let m = self.bend.jacobian(self.jacobian_tx, d).m.map(|[x, y]| [x * size[0], y * size[1]]);
+        let (s, t) = (self.s + ds, self.t + dt);
+        Self { s, t, jacobian_tx: Jacobian::new(m), bend: Bend::None, ..*self }.bounded()
     }
 
     /// The same with finite derivatives beyond 1e30 texels a pixel cut to that, and those below 1e-30 to zero:
@@ -227,6 +250,13 @@ impl<'a, T: Texel, D: Decode<T>> Reader<'a, T, D> {
             (Some(x), Some(y)) => self.decode.texel(plane.texel(x as i32, y as i32)),
             _ => self.outside,
         }
+    }
+
+    /// The decoded texel at any place of level 0, quickly where it is in the picture or its apron.
+    #[inline(always)]
+    fn near(&self, x: i32, y: i32) -> [T::Real; 4] {
+        let plane = &self.layers.planes[0];
+        if plane.is_readable(x, y) { self.decode.texel(plane.texel(x, y)) } else { self.tap(0, x, y) }
     }
 
     /// The 2x2 decoded texels from (x, y) on, row by row.

@@ -3,7 +3,7 @@
 use super::convert::{FloatArray, Floats, ImageArg, array, image_array, output, work};
 use crate::encode::{Alpha, Encoding};
 use crate::error::{Error, Result};
-use crate::filter::Filter;
+use crate::filter::{Effort, Filter};
 use crate::lod::LodRule;
 use crate::num::Real;
 use crate::pyramid::Kind;
@@ -162,6 +162,28 @@ impl Texture {
         }
     }
 
+    #[pyo3(signature = (uv, jacobian, lod, sampling))]
+    fn survey<'py>(
+        &self,
+        py: Python<'py>,
+        uv: &Bound<'py, PyAny>,
+        jacobian: Option<&Bound<'py, PyAny>>,
+        lod: Option<&Bound<'py, PyAny>>,
+        sampling: &Sampling,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let uv = FloatArray::new("uv", uv, &[2], "(..., 2)")?;
+        let jacobian =
+            jacobian.map(|j| FloatArray::new("jacobian", j, &[2, 2], "(..., 2, 2)")).transpose()?;
+        let lod = lod.map(|l| FloatArray::new("lod", l, &[], "(...)")).transpose()?;
+        let lod: Option<Vec<f32>> =
+            lod.map(|l| l.to_f64()).transpose()?.map(|l| l.iter().map(|x| *x as f32).collect());
+        let jacobian = jacobian.map(|j| j.to_f64()).transpose()?;
+        let places = uv.to_f64()?;
+        let extent = extent(jacobian.as_deref(), lod.as_deref());
+        let made = work(py, sampling.threads, || sampling.sampler.survey(&self.inner, &places, extent))?;
+        efforts(py, &made, uv.leading(1))
+    }
+
     fn gradient<'py>(
         &self,
         py: Python<'py>,
@@ -247,12 +269,7 @@ impl Texture {
         lod: Option<&[f32]>,
         out: &mut [O],
     ) -> Result<()> {
-        let extent = match (jacobian, lod) {
-            (_, Some(lod)) => Extent::Lod(lod),
-            (Some(jacobian), None) => Extent::Jacobian(jacobian),
-            (None, None) => Extent::Point,
-        };
-        sampler.sample(&self.inner, uv, extent, out)
+        sampler.sample(&self.inner, uv, extent(jacobian, lod), out)
     }
 
     fn gradient_as<'py, O: Real + Element>(
@@ -274,6 +291,25 @@ impl Texture {
         })?;
         array(py, out, &shape)
     }
+}
+
+fn extent<'a, U>(jacobian: Option<&'a [U]>, lod: Option<&'a [f32]>) -> Extent<'a, U> {
+    match (jacobian, lod) {
+        (_, Some(lod)) => Extent::Lod(lod),
+        (Some(jacobian), None) => Extent::Jacobian(jacobian),
+        (None, None) => Extent::Point,
+    }
+}
+
+/// Costs and levels as an array of shape (2, ...).
+pub(super) fn efforts<'py>(
+    py: Python<'py>,
+    made: &[Effort],
+    leading: &[usize],
+) -> PyResult<Bound<'py, PyAny>> {
+    let numbers = made.iter().map(|e| e.cost).chain(made.iter().map(|e| e.lod)).collect();
+    let shape: Vec<usize> = std::iter::once(2).chain(leading.iter().copied()).collect();
+    array(py, numbers, &shape)
 }
 
 fn doubles(singles: &[f32]) -> Vec<f64> {

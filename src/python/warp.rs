@@ -1,7 +1,7 @@
 //! Image warps.
 
 use super::convert::{FloatArray, Floats, ImageArg, array, output, work};
-use super::texture::Sampling;
+use super::texture::{Sampling, efforts};
 use crate::encode::{Alpha, Encoding};
 use crate::error::Error;
 use crate::image::{AnyView, Element, Pixels};
@@ -174,10 +174,28 @@ fn warp_coverage<'py>(
     }
 }
 
+/// Cost and level of each pixel of a warp.
+#[pyfunction]
+fn warp_survey<'py>(
+    py: Python<'py>,
+    image: &Bound<'py, PyAny>,
+    places: &Places,
+    shape: (usize, usize),
+    warping: &Warping,
+) -> PyResult<Bound<'py, PyAny>> {
+    let image = ImageArg::new("image", image)?;
+    let view = image.view()?;
+    let made = places.with(py, |mapping| {
+        work(py, warping.threads, || warp::survey(view, &mapping, shape.1, shape.0, &warping.options))
+    })?;
+    efforts(py, &made, &[shape.0, shape.1])
+}
+
 /// Adds this topic to the module.
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Warping>()?;
     module.add_class::<Places>()?;
     module.add_function(wrap_pyfunction!(warp_image, module)?)?;
-    module.add_function(wrap_pyfunction!(warp_coverage, module)?)
+    module.add_function(wrap_pyfunction!(warp_coverage, module)?)?;
+    module.add_function(wrap_pyfunction!(warp_survey, module)?)
 }

@@ -16,6 +16,7 @@
 use super::{Look, NOWHERE, Read, finite};
 use crate::error::{Error, Result};
 use crate::filter::{Filter, Query};
+use crate::footprint::Bend;
 use crate::image::{AnyView, View, for_any};
 use crate::jacobian::Axes;
 use crate::lod;
@@ -88,7 +89,7 @@ impl Box6 {
         let (s, t) = (mapped.uv.x * self.n, mapped.uv.y * self.n);
         let jacobian_tx = mapped.jacobian.scaled(self.n, self.n);
         let from_edge = s.min(self.n - s).min(t).min(self.n - t);
-        let query = Query { s, t, jacobian_tx, index: 0 };
+        let query = Query { s, t, jacobian_tx, index: 0, bend: Bend::None };
         Some(Spot { face: face.index(), query, from_edge, axes: jacobian_tx.axes() })
     }
 

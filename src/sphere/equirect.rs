@@ -18,6 +18,7 @@
 use super::{Look, Read, finite};
 use crate::error::Result;
 use crate::filter::{Filter, Query};
+use crate::footprint::Bend;
 use crate::image::{AnyView, Image, Pixels, View, for_any};
 use crate::jacobian::Jacobian;
 use crate::mapping::{Equirect, Mapping, SurfacePoint, Tangents};
@@ -56,7 +57,7 @@ impl Globe {
         let (width, height) = (texture.width() as f64, image.height() as f64);
         let ring = |t: f64| {
             let whole = Jacobian::new([[width, 0.0], [0.0, 0.0]]);
-            let query = Query { s: 0.0, t, jacobian_tx: whole, index: 0 };
+            let query = Query { s: 0.0, t, jacobian_tx: whole, index: 0, bend: Bend::None };
             let mut mean = vec![0f64; texture.channels()];
             let exact = Sampler::new(Filter::Exact);
             exact.sample_places(&texture, 1, &|_| (query, None), &mut mean).map(|()| mean)
@@ -94,7 +95,13 @@ impl Globe {
         let query = |d: DVec3, dd: Tangents| {
             let mapped = Equirect.at(&SurfacePoint::new(d).moving(dd[0], dd[1]));
             let j = Jacobian::new(mapped.jacobian.m.map(at_most_a_turn));
-            Query { s: mapped.uv.x * w, t: mapped.uv.y * h, jacobian_tx: j.scaled(w, h), index: 0 }
+            Query {
+                s: mapped.uv.x * w,
+                t: mapped.uv.y * h,
+                jacobian_tx: j.scaled(w, h),
+                index: 0,
+                bend: Bend::None,
+            }
         };
         if !finite(dd) {
             let middle = query(d, [DVec3::ZERO; 2]);

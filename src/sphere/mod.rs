@@ -21,6 +21,7 @@ pub(crate) use equirect::over_pole;
 use crate::encode::Format;
 use crate::error::{Error, Result};
 use crate::filter::{Filter, Query};
+use crate::footprint::Bend;
 use crate::image::AnyView;
 use crate::jacobian::Jacobian;
 use crate::mapping::{Layout, Tangents};
@@ -93,7 +94,7 @@ struct Look {
 /// A place that there is not: the border colour.
 const NOWHERE: Look = Look {
     read: Read::Own(0),
-    query: Query { s: f64::NAN, t: f64::NAN, jacobian_tx: Jacobian::ZERO, index: 0 },
+    query: Query { s: f64::NAN, t: f64::NAN, jacobian_tx: Jacobian::ZERO, index: 0, bend: Bend::None },
     weight: 1.0,
 };
 

@@ -1,5 +1,7 @@
 //! A texture as filters read it: planes of up to four channels, and what their codes mean.
 
+use crate::bounds::Bounds;
+use crate::detail::Detail;
 use crate::encode::{Encoding, Format, decode};
 use crate::kernel::lanes::Lanes;
 use crate::kernel::plane::Plane;
@@ -19,6 +21,10 @@ pub(crate) struct Layers<'a, T: Texel> {
     pub decoder: Decoder,
     /// Sums of level 0 in the space of the results, where they were asked for.
     pub sums: Option<&'a SummedAreaTable>,
+    /// Bounds of level 0 in the space of averages, where they were asked for.
+    pub bounds: Option<&'a Bounds>,
+    /// What each level lacks, where it was asked for.
+    pub detail: Option<&'a Detail>,
 }
 
 /// From codes to numbers that may be averaged, and from averages to results.
@@ -88,6 +94,10 @@ pub(crate) trait Decode<T: Texel>: Copy + Sync {
     fn outside(&self, value: [f64; 4]) -> [T::Real; 4];
     /// An average as a result.
     fn finish(&self, average: [T::Real; 4]) -> [T::Real; 4];
+    /// What the other lanes of an average are divided by, if they are.
+    fn divisor(&self, _average: [T::Real; 4]) -> Option<T::Real> {
+        None
+    }
     /// The derivative of the result, from the average and its derivative.
     fn finish_slope(&self, average: [T::Real; 4], slope: [T::Real; 4]) -> [T::Real; 4];
 }
@@ -171,6 +181,10 @@ impl<T: Texel> Decode<T> for Decoder {
             }
         }
         average
+    }
+
+    fn divisor(&self, average: [T::Real; 4]) -> Option<T::Real> {
+        average.get(self.alpha_lane).copied()
     }
 
     fn finish_slope(&self, average: [T::Real; 4], slope: [T::Real; 4]) -> [T::Real; 4] {

@@ -4,6 +4,8 @@
 //! multiple of four), with an apron of one texel that continues the picture by its wrap mode. So a bilinear
 //! read near an edge needs no wrap arithmetic.
 
+use crate::bounds::Bounds;
+use crate::detail::Detail;
 use crate::encode::{Alpha, Encoding, Format, decode, encode};
 use crate::error::{Error, Result};
 use crate::image::{AnyView, Element, Image, Pixels, View, for_any};
@@ -76,6 +78,10 @@ pub struct Texture<'a> {
     levels: OnceLock<Vec<Level>>,
     /// One a group of channels.
     tables: Vec<OnceLock<SummedAreaTable>>,
+    /// One a group of channels.
+    bounds: Vec<OnceLock<Bounds>>,
+    /// One a group of channels.
+    details: Vec<OnceLock<Detail>>,
 }
 
 #[derive(Debug)]
@@ -126,6 +132,8 @@ impl Texture<'static> {
             base: Base::Owned(level),
             levels: OnceLock::new(),
             tables: vec![OnceLock::new(); format.channels.div_ceil(4)],
+            bounds: (0..format.channels.div_ceil(4)).map(|_| OnceLock::new()).collect(),
+            details: (0..format.channels.div_ceil(4)).map(|_| OnceLock::new()).collect(),
         })
     }
 }
@@ -156,6 +164,8 @@ impl<'a> Texture<'a> {
             base: Base::Borrowed(image),
             levels: OnceLock::new(),
             tables: vec![OnceLock::new(); format.channels.div_ceil(4)],
+            bounds: (0..format.channels.div_ceil(4)).map(|_| OnceLock::new()).collect(),
+            details: (0..format.channels.div_ceil(4)).map(|_| OnceLock::new()).collect(),
         })
     }
 
@@ -219,7 +229,9 @@ impl<'a> Texture<'a> {
         };
         let levels = self.levels.get().map_or(0, |levels| levels.iter().map(bytes).sum());
         let tables = self.tables.iter().filter_map(OnceLock::get).map(SummedAreaTable::nbytes);
-        base + levels + tables.sum::<usize>()
+        let bounds = self.bounds.iter().filter_map(OnceLock::get).map(Bounds::nbytes);
+        let details = self.details.iter().filter_map(OnceLock::get).map(Detail::nbytes);
+        base + levels + tables.sum::<usize>() + bounds.sum::<usize>() + details.sum::<usize>()
     }
 
     /// A level as an image of the texture's own type and encoding (level 0: what was given).
@@ -341,7 +353,15 @@ impl<'a> Texture<'a> {
         let border =
             std::array::from_fn(|lane| self.options.border.get(4 * group + lane).copied().unwrap_or(0.0));
         let decoder = Decoder::new::<T>(self.stored, group);
-        Ok(Layers { planes, wrap: self.options.wrap, border, decoder, sums: None })
+        Ok(Layers {
+            planes,
+            wrap: self.options.wrap,
+            border,
+            decoder,
+            sums: None,
+            bounds: None,
+            detail: None,
+        })
     }
 
     /// The summed-area table of one group of channels, made when it is first needed, once.
@@ -375,11 +395,75 @@ impl<'a> Texture<'a> {
         Ok(slot.get_or_init(|| made))
     }
 
+    /// The bounds of one group of channels, in the space of averages, made when they are first needed, once.
+    ///
+    /// # Errors
+    /// As [`Texture::layers`].
+    pub(crate) fn bounds<T: Element>(&self, group: usize) -> Result<&Bounds> {
+        let slot = &self.bounds[group];
+        if let Some(bounds) = slot.get() {
+            return Ok(bounds);
+        }
+        let layers = self.layers::<T>(group, false)?;
+        let made = if layers.decoder.is_plain() {
+            self.bounds_of(&layers, Plain { full_scale: layers.decoder.full_scale })?
+        } else {
+            self.bounds_of(&layers, layers.decoder)?
+        };
+        Ok(slot.get_or_init(|| made))
+    }
+
+    fn bounds_of<T: Element, D: Decode<T>>(&self, layers: &Layers<'_, T>, decode: D) -> Result<Bounds> {
+        let texel = texels(layers, decode);
+        Bounds::new([self.width, self.height], layers.wrap, |x, y| texel(0, x, y))
+    }
+
+    /// What each level of one group of channels lacks, made when it is first needed, once.
+    ///
+    /// # Errors
+    /// As [`Texture::layers`].
+    pub(crate) fn detail<T: Element>(&self, group: usize) -> Result<&Detail> {
+        let slot = &self.details[group];
+        if let Some(detail) = slot.get() {
+            return Ok(detail);
+        }
+        let layers = self.layers::<T>(group, true)?;
+        let sizes: Vec<_> = layers.planes.iter().map(|p| [p.width as usize, p.height as usize]).collect();
+        let made = if layers.decoder.is_plain() {
+            let plain = Plain { full_scale: layers.decoder.full_scale };
+            Detail::new(&sizes, layers.wrap, texels(&layers, plain))?
+        } else {
+            Detail::new(&sizes, layers.wrap, texels(&layers, layers.decoder))?
+        };
+        Ok(slot.get_or_init(|| made))
+    }
+
     /// The type of the stored elements: the texture's own, but single for decoded half floats.
     pub(crate) fn stored_dtype(&self) -> DType {
         match &self.base {
             Base::Owned(level) => level.dtype(),
             Base::Borrowed(view) => view.dtype(),
+        }
+    }
+}
+
+/// Texels of all levels at any place, as they are averaged.
+fn texels<T: Element, D: Decode<T>>(
+    layers: &Layers<'_, T>,
+    decode: D,
+) -> impl Fn(usize, i64, i64) -> [f64; 4] + Sync {
+    let [wu, wv] = layers.wrap;
+    let outside = decode.outside(layers.border).map(crate::num::Real::to_f64);
+    move |level, x, y| {
+        let plane = &layers.planes[level];
+        let at = if plane.is_readable(x as i32, y as i32) {
+            (Some(x), Some(y))
+        } else {
+            (wu.index(x, plane.width.into()), wv.index(y, plane.height.into()))
+        };
+        match at {
+            (Some(x), Some(y)) => decode.texel(plane.texel(x as i32, y as i32)).map(crate::num::Real::to_f64),
+            _ => outside,
         }
     }
 }

@@ -4,6 +4,7 @@ use super::query_at;
 use super::remap::Map;
 use crate::error::{Error, Result};
 use crate::filter::Query;
+use crate::footprint::Bend;
 use crate::jacobian::Jacobian;
 
 /// Where each output pixel lies in the input; pixel centres at whole numbers.
@@ -45,11 +46,7 @@ impl<'a, U> Maps<'a, U> {
 /// pixel, the map jumps between these two pixels (a cut, a fold, the edge of a face), and the smaller of them
 /// is the derivative on this pixel's side. Differences of nearly whole periods are taken modulo the period.
 fn difference(before: f64, here: f64, after: f64, period: Option<f64>) -> f64 {
-    let near = |d: f64| match period {
-        Some(p) if d.is_finite() => d - p * (d / p).round(),
-        _ => d,
-    };
-    let (back, forward) = (near(here - before), near(after - here));
+    let (back, forward) = (shortest(here - before, period), shortest(after - here, period));
     match (back.is_finite(), forward.is_finite()) {
         (true, true) => {
             if back.abs() > 2.0 * forward.abs() + 1.0 {
@@ -66,6 +63,27 @@ fn difference(before: f64, here: f64, after: f64, period: Option<f64>) -> f64 {
     }
 }
 
+/// A difference without whole periods.
+#[inline(always)]
+fn shortest(d: f64, period: Option<f64>) -> f64 {
+    match period {
+        Some(p) if d.is_finite() => d - p * (d / p).round(),
+        _ => d,
+    }
+}
+
+/// Second derivatives by xx, xy and yy from the steps to the neighbours and the mixed difference; `None` where these jump.
+#[inline(always)]
+fn bend(x: [f64; 2], y: [f64; 2], xy: f64) -> Option<[f64; 3]> {
+    let jumps = |[back, forward]: [f64; 2]| {
+        let (back, forward) = (back.abs(), forward.abs());
+        back.max(forward) > 2.0 * back.min(forward) + 1.0
+    };
+    let h = [x[0] + x[1], xy, y[0] + y[1]];
+    let small = xy.abs() <= 1.0 + x[0].abs() + x[1].abs() + y[0].abs() + y[1].abs();
+    (h.iter().all(|h| h.is_finite()) && small && !jumps(x) && !jumps(y)).then_some(h)
+}
+
 impl<U: Copy + Into<f64>> Maps<'_, U> {
     fn at(&self, values: &[U], i: usize) -> f64 {
         values[i * self.step].into()
@@ -75,16 +93,33 @@ impl<U: Copy + Into<f64>> Maps<'_, U> {
         let i = row * width + column;
         let axis = |values: &[U], period| {
             let here = self.at(values, i);
+            let inner = column > 0 && column + 1 < width && row > 0 && row + 1 < height;
             let at = |exists: bool, i: usize| if exists { self.at(values, i) } else { f64::NAN };
             let left = at(column > 0, i.wrapping_sub(1));
             let right = at(column + 1 < width, i + 1);
             let above = at(row > 0, i.wrapping_sub(width));
             let below = at(row + 1 < height, i + width);
-            (here, [difference(left, here, right, period), difference(above, here, below, period)])
+            let slopes = [difference(left, here, right, period), difference(above, here, below, period)];
+            let bend = if inner {
+                let near = |i: usize| here + shortest(self.at(values, i) - here, period);
+                let (left, right, above, below) =
+                    (near(i - 1), near(i + 1), near(i - width), near(i + width));
+                let across = |d: usize| near(i - width - d) + near(i + width + d);
+                let xy = 0.25 * ((across(1) - near(i - width + 1)) - near(i + width - 1));
+                bend([left - here, right - here], [above - here, below - here], xy)
+            } else {
+                None
+            };
+            (here, slopes, bend)
         };
-        let (x, dx) = axis(self.x, self.period[0]);
-        let (y, dy) = axis(self.y, self.period[1]);
-        query_at(x, y, Jacobian::new([dx, dy]))
+        let (x, dx, bend_x) = axis(self.x, self.period[0]);
+        let (y, dy, bend_y) = axis(self.y, self.period[1]);
+        let bend = match (bend_x, bend_y) {
+            (Some(x), Some(y)) => Bend::Curved([x, y]),
+            // At an edge of the map or beside a jump.
+            _ => Bend::None,
+        };
+        query_at(x, y, Jacobian::new([dx, dy]), bend)
     }
 
     fn check(&self, width: usize, height: usize) -> Result<()> {
@@ -138,14 +173,15 @@ impl Mapping<'_> {
         let (x, y) = (column as f64, row as f64);
         match self {
             Self::Affine([[a, b, c], [d, e, f]]) => {
-                query_at(a * x + b * y + c, d * x + e * y + f, Jacobian::new([[*a, *b], [*d, *e]]))
+                let jacobian = Jacobian::new([[*a, *b], [*d, *e]]);
+                query_at(a * x + b * y + c, d * x + e * y + f, jacobian, Bend::None)
             }
             Self::Projective([[a, b, c], [d, e, f], [g, h, i]]) => {
                 // The quotient rule: d(X/w) = (dX - (X/w) dw)/w.
                 let w = 1.0 / (g * x + h * y + i);
                 let (px, py) = ((a * x + b * y + c) * w, (d * x + e * y + f) * w);
                 let jacobian = [[(a - px * g) * w, (b - px * h) * w], [(d - py * g) * w, (e - py * h) * w]];
-                query_at(px, py, Jacobian::new(jacobian))
+                query_at(px, py, Jacobian::new(jacobian), Bend::Perspective([g * w, h * w]))
             }
             Self::Single(maps) => maps.query(column, row, width, height),
             Self::Double(maps) => maps.query(column, row, width, height),

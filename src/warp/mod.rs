@@ -6,7 +6,8 @@
 
 use crate::encode::{Alpha, Encoding, Format, decode};
 use crate::error::{Error, Result};
-use crate::filter::{Filter, Query};
+use crate::filter::{Effort, Filter, Query};
+use crate::footprint::Bend;
 use crate::image::{AnyView, Element, Image, View, for_any, zeros};
 use crate::jacobian::Jacobian;
 use crate::kernel::remap::Sample;
@@ -189,6 +190,27 @@ pub fn coverage(
     Image::new(width, height, 1, out)
 }
 
+/// What each pixel of a warp costs, and on which level it is read (see [`Sampler::survey`]), row by row.
+///
+/// # Errors
+/// As [`warp`].
+pub fn survey(
+    image: AnyView<'_>,
+    mapping: &Mapping<'_>,
+    width: usize,
+    height: usize,
+    options: &WarpOptions,
+) -> Result<Vec<Effort>> {
+    mapping.check(width, height)?;
+    options.sampler.check()?;
+    crate::image::check_size("shape", width, height, 2)?;
+    let format = Format::new(options.encoding, options.alpha, image.channels())?;
+    let border = border_codes(image.dtype(), image.channels(), options)?;
+    let texture = texture(image, format, &border, options)?;
+    let places = |i: usize| (mapping.query(i % width, i / width, width, height), None);
+    options.sampler.survey_places(&texture, width * height, &places)
+}
+
 /// The image as a texture, borrowed where its codes can be read as they stand; `border` is in codes.
 fn texture<'a>(
     image: AnyView<'a>,
@@ -237,6 +259,6 @@ pub fn resize_mapping(from: [usize; 2], to: [usize; 2]) -> Mapping<'static> {
 }
 
 /// A query at the input pixel (x, y), whose centre is half a texel from its corner.
-fn query_at(x: f64, y: f64, jacobian_tx: Jacobian) -> Query {
-    Query { s: x + 0.5, t: y + 0.5, jacobian_tx, index: 0 }
+fn query_at(x: f64, y: f64, jacobian_tx: Jacobian, bend: Bend) -> Query {
+    Query { s: x + 0.5, t: y + 0.5, jacobian_tx, index: 0, bend }
 }

@@ -53,7 +53,8 @@ def impulse() -> tuple[Array, mt.Texture]:
     return image, mt.Texture(image, "repeat")
 
 
-LINEAR = ["trilinear", "anisotropic", "ewa", "sat", "area", "exact", "auto"]
+# "auto" is not among them: what it does depends on the texture.
+LINEAR = ["trilinear", "anisotropic", "ewa", "sat", "area", "exact"]
 
 
 @pytest.mark.parametrize("filter", LINEAR)
@@ -93,7 +94,7 @@ def test_area_weights_are_off_at_the_rim_only(impulse: tuple[Array, mt.Texture],
         assert 0.5 * np.abs(got - right).sum() <= 0.25 * perimeter / area
 
 
-@pytest.mark.parametrize("filter", ["trilinear", "anisotropic", "ewa", "sat", "area", "exact", "auto"])
+@pytest.mark.parametrize("filter", LINEAR)
 def test_averages_lie_around_the_centre(impulse: tuple[Array, mt.Texture], filter: str) -> None:
     """In the middle of four texels, or of sixteen, nothing but the footprint tells left from right."""
     _, texture = impulse
@@ -137,7 +138,5 @@ def test_a_tolerance_is_kept_on_every_footprint(tolerance: float, wrap: referenc
         ) / np.array([[29], [33]])
         got = mt.Texture(image, wrap, 0.5).sample(uv, jacobian, tolerance=tolerance)
         right = reference.sample(image, uv, jacobian, wrap=wrap, border=0.5)
-        # Magnified pixels show the interpolation, whose footprint is not averaged; all others keep the tolerance.
-        minified = np.linalg.svd(jacobian * [[29], [33]], compute_uv=False)[:, 0] > 1.25
-        worst = np.abs(got - right)[minified].max()
-        assert worst <= tolerance + 2e-6, (dtype, worst)
+        worst = np.abs(got - right).max()
+        assert worst <= tolerance, (dtype, worst)

@@ -94,7 +94,8 @@ def test_eight_threads_share_one_fresh_texture() -> None:
         for result in results:
             np.testing.assert_array_equal(result, want)
         # A third more, and the apron: not eight thirds.
-        assert before < texture.nbytes < 1.4 * before
+        # A third more for the levels, and four bytes for 16 of their texels.
+    assert before < texture.nbytes < 1.45 * before
 
 
 def test_the_interpreter_goes_on_during_work() -> None:

@@ -61,6 +61,11 @@ def add(commands: "Commands") -> None:
     command.add_argument(
         "--size", type=size, metavar="WxH", help="of OUT (default: that of the map, else IN)"
     )
+    command.add_argument(
+        "--debug",
+        choices=("cost", "lod"),
+        help="draw what each pixel costs (1 to 4096 look-ups, dark to light) or on which level it is read (0 to 8)",
+    )
     add_filtering(command, wrap="border")
 
 
@@ -81,6 +86,9 @@ def run(options: argparse.Namespace) -> None:
         else:
             shape = shape or (height, width)
             mapping = corners_matrix(numbers(options.corners), shape)
+        if options.debug is not None:
+            drawn: NDArray[Any] = _warp.survey(image, mapping, shape, **keywords).picture(options.debug)
+            return drawn
         warped: NDArray[Any] = _warp.warp(image, mapping, shape, **keywords)
         return warped
 

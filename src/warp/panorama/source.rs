@@ -5,6 +5,7 @@ use super::Form;
 use crate::encode::Format;
 use crate::error::Result;
 use crate::filter::Query;
+use crate::footprint::Bend;
 use crate::image::{AnyView, for_any};
 use crate::jacobian::Jacobian;
 use crate::mapping::{Mapping, SurfacePoint, Tangents};
@@ -28,7 +29,8 @@ pub(super) struct One<'a> {
 }
 
 /// The query of a place that there is not.
-pub(super) const NOWHERE: Query = Query { s: f64::NAN, t: f64::NAN, jacobian_tx: Jacobian::ZERO, index: 0 };
+pub(super) const NOWHERE: Query =
+    Query { s: f64::NAN, t: f64::NAN, jacobian_tx: Jacobian::ZERO, index: 0, bend: Bend::None };
 
 impl<'a> Source<'a> {
     /// Takes an image of this form; `border` is in codes. `near` texels from a pole there may be pixels that look over it.
@@ -66,7 +68,13 @@ impl One<'_> {
         let mapped = self.map.at(&SurfacePoint::new(d).moving(dd[0], dd[1]));
         let (w, h) = (self.textures[0].width() as f64, self.textures[0].height() as f64);
         let j = Jacobian::new(mapped.jacobian.m.map(bounded));
-        let query = Query { s: mapped.uv.x * w, t: mapped.uv.y * h, jacobian_tx: j.scaled(w, h), index: 0 };
+        let query = Query {
+            s: mapped.uv.x * w,
+            t: mapped.uv.y * h,
+            jacobian_tx: j.scaled(w, h),
+            index: 0,
+            bend: Bend::None,
+        };
         let rows = self.rows as f64;
         if query.t < 0.5 * rows {
             (1, Query { t: query.t + rows, ..query })
