@@ -6,6 +6,7 @@ pub mod band;
 pub mod box_down;
 pub mod cast;
 pub mod lanes;
+pub mod pages;
 pub mod plane;
 pub mod prefix;
 pub mod range;

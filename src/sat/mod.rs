@@ -15,6 +15,7 @@ mod axis;
 use crate::error::{Error, Result};
 use crate::image::{AnyView, View};
 use crate::kernel::prefix::{self, Sum};
+use crate::kernel::{Isa, pages};
 use crate::par;
 use crate::texel::Texel;
 use crate::wrap::Wrap;
@@ -266,10 +267,11 @@ fn carries<T: Texel, S: Sum<T> + Send + Sync>(
 ) -> Result<(Vec<Vec<S>>, Vec<S>)> {
     let (row, channels) = (image.width() * image.channels(), image.channels());
     let bands = image.height().div_ceil(BAND);
+    let isa = Isa::current();
     let mut columns: Vec<Vec<S>> = vec![vec![S::default(); row]; bands];
     par::for_each(columns.iter_mut(), |band, sums| {
         for y in band * BAND..((band + 1) * BAND).min(image.height()) {
-            prefix::add_columns(image.row(y), sums);
+            prefix::add_columns(isa, image.row(y), sums);
         }
         Ok(())
     })?;
@@ -296,12 +298,13 @@ fn fill<T: Texel, S: Sum<T> + Send + Sync>(
     band: usize,
 ) -> Result<Vec<S>> {
     let row = (image.width() + 1) * image.channels();
-    let mut table = vec![S::default(); row * (image.height() + 1)];
+    let mut table = pages::zeros(row * (image.height() + 1));
+    let isa = Isa::current();
     let tiles = table[row..].chunks_mut(row * band).zip(carries);
     par::for_each(tiles, |tile, (rows, carry)| {
         let mut above: &[S] = carry;
         for (r, out) in rows.chunks_exact_mut(row).enumerate() {
-            prefix::row(image.row(tile * band + r), offset, above, out);
+            prefix::row(isa, image.row(tile * band + r), offset, above, out);
             above = out;
         }
         Ok(())

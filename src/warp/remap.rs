@@ -4,7 +4,7 @@
 
 use crate::error::{Error, Result};
 use crate::kernel::Isa;
-use crate::kernel::remap::{Buffer, CHUNK, Points, Sample, remap};
+use crate::kernel::remap::{Buffer, CHUNK, Points, Row, Sample, remap};
 use crate::par;
 
 pub use crate::kernel::remap::{Edge, Grid, Interpolation, Job, Outside, Source};
@@ -173,8 +173,15 @@ fn band<T: Sample>(
 ) -> Result<()> {
     let pixels = out.len() / job.channels();
     let (start, end) = (first * width, first * width + pixels);
-    if let (Map::Single(x, y), Grid::Exact) = (map, grid) {
+    if let (Map::Single(x, y), Grid::Exact | Grid::Whole) = (map, grid) {
         return remap(isa, job, &Points::Plain(&x[start..end], &y[start..end]), out);
+    }
+    if let (Map::Matrix(matrix), Grid::Exact | Grid::Whole) = (map, grid) {
+        for (i, row) in out.chunks_mut(width * job.channels()).enumerate() {
+            let y = (first + i) as f64;
+            remap(isa, job, &Points::Row(Row { matrix, x0: 0.0, y }), row)?;
+        }
+        return Ok(());
     }
     let mut buffer: Buffer<_> = Buffer::new();
     if let Map::Matrix(m) = map {
@@ -199,7 +206,7 @@ fn band<T: Sample>(
                 for ((pair, x), y) in p[pairs].chunks_exact(2).zip(&mut xs).zip(&mut ys) {
                     (*x, *y) = (pair[0], pair[1]);
                 }
-                if grid == Grid::Exact {
+                if matches!(grid, Grid::Exact | Grid::Whole) {
                     Points::Plain(&xs[..n], &ys[..n])
                 } else {
                     Points::Split(buffer.split_f32(isa, grid, &xs[..n], &ys[..n]))

@@ -24,6 +24,8 @@ mod avx512;
 #[cfg(target_arch = "x86_64")]
 mod block;
 mod coords;
+#[cfg(target_arch = "x86_64")]
+mod copy;
 mod lerp;
 mod sample;
 mod scalar;
@@ -218,9 +220,22 @@ impl<A> Split<'_, A> {
     }
 }
 
+/// Part of a row of an output that a matrix maps: pixels (`x0`, `y`), (`x0 + 1`, `y`), ...
+#[derive(Clone, Copy, Debug)]
+pub struct Row<'a> {
+    /// From output pixels to positions, with a division by the third row; see [`Buffer::matrix`].
+    pub matrix: &'a [f64; 9],
+    /// Column of the first pixel.
+    pub x0: f64,
+    /// Row of all pixels.
+    pub y: f64,
+}
+
 /// Where a run of output pixels is read.
 #[derive(Clone, Copy, Debug)]
 pub enum Points<'a, A> {
+    /// Where a matrix says.
+    Row(Row<'a>),
     /// Columns and rows as they are.
     Plain(&'a [f32], &'a [f32]),
     /// Taken apart; for [`Interpolation::Nearest`] already rounded.
@@ -239,6 +254,7 @@ pub fn remap<T: Sample>(
 ) -> Result<()> {
     let count = out.len() / job.source.channels;
     let lengths = match points {
+        Points::Row(_) => [count; 4],
         Points::Plain(x, y) => [x.len(), y.len(), count, count],
         Points::Split(s) => [s.x.len(), s.y.len(), s.fx.len(), s.fy.len()],
     };
@@ -246,26 +262,26 @@ pub fn remap<T: Sample>(
         let got = format!("{} elements for {lengths:?} positions", out.len());
         return Err(Error::value("out", got, "one pixel a position"));
     }
-    let plain_kernel = job.interpolation == Interpolation::Bilinear && isa != Isa::Scalar;
-    match points {
-        Points::Plain(..) if plain_kernel && T::vector(isa, job, points, out) => {}
-        Points::Plain(x, y) => {
-            let mut buffer: Buffer<_> = Buffer::new();
-            let grid = if job.interpolation == Interpolation::Nearest { Grid::Whole } else { Grid::Exact };
-            let parts = x.chunks(CHUNK).zip(y.chunks(CHUNK));
-            for ((x, y), out) in parts.zip(out.chunks_mut(CHUNK * job.source.channels)) {
-                split_run(isa, job, &buffer.split_f32(isa, grid, x, y), out);
-            }
+    // The others take positions that are taken apart.
+    let direct = matches!(job.interpolation, Interpolation::Bilinear | Interpolation::Nearest);
+    if direct && isa != Isa::Scalar && T::vector(isa, job, points, out) {
+        return Ok(());
+    }
+    let grid = if job.interpolation == Interpolation::Nearest { Grid::Whole } else { Grid::Exact };
+    let mut buffer: Buffer<_> = Buffer::new();
+    for (k, out) in out.chunks_mut(CHUNK * job.source.channels).enumerate() {
+        let start = k * CHUNK;
+        let n = out.len() / job.source.channels;
+        let split = match points {
+            Points::Row(row) => buffer.matrix(isa, grid, row.matrix, row.x0 + start as f64, row.y, n),
+            Points::Plain(x, y) => buffer.split_f32(isa, grid, &x[start..start + n], &y[start..start + n]),
+            Points::Split(split) => split.part(start, start + n),
+        };
+        if isa == Isa::Scalar || direct || !T::vector(isa, job, &Points::Split(split), out) {
+            scalar::run(job, &split, out);
         }
-        Points::Split(split) => split_run(isa, job, split, out),
     }
     Ok(())
-}
-
-fn split_run<T: Sample>(isa: Isa, job: &Job<'_, T>, split: &Split<'_, T::Acc>, out: &mut [T]) {
-    if isa == Isa::Scalar || !T::vector(isa, job, &Points::Split(*split), out) {
-        scalar::run(job, split, out);
-    }
 }
 
 /// Sends a run to the vector kernels of one element type.

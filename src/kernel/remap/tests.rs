@@ -146,6 +146,81 @@ fn instruction_sets_give_equal_bytes() {
     }
 }
 
+/// Rows of an output that a matrix maps, in parts of any length.
+fn rows_agree<T: Probe>(random: &mut Random, channels: usize, kind: Interpolation) {
+    let (width, height) = (1 + random.below(67), 1 + random.below(67));
+    let data: Vec<T> = (0..width * height * channels).map(|_| T::draw(random)).collect();
+    let border: Vec<T> = (0..channels).map(|_| T::draw(random)).collect();
+    let source = Source::new(&data, width, height, channels, width * channels).unwrap();
+    let edges = [EDGES[random.below(6)], EDGES[random.below(6)]];
+    let job = Job::new(source, kind, edges, &border, OUTSIDE[random.below(3)]).unwrap();
+    let mut number = |scale: f64| (random.unit() - 0.5) * scale;
+    let mut matrix = [0.0; 9].map(|_| number(3.0));
+    (matrix[2], matrix[5]) = (number(2.0 * width as f64), number(2.0 * height as f64));
+    match random.below(4) {
+        0 => (matrix[6], matrix[7]) = (0.01 * matrix[6], 0.01 * matrix[7]),
+        // A row of zero divisors, and numbers that no integer holds.
+        1 => (matrix[6], matrix[7], matrix[8]) = (1.0, 0.0, -9.0),
+        2 => matrix[0] = 1e300,
+        _ => (matrix[6], matrix[7], matrix[8]) = (0.0, 0.0, 1.0),
+    }
+    let n = random.below(300);
+    let row = Row { matrix: &matrix, x0: random.below(9) as f64, y: random.below(50) as f64 };
+    let before: Vec<T> = (0..n * channels).map(|_| T::draw(random)).collect();
+    let run = |isa: Isa| {
+        let mut out = before.clone();
+        remap(isa, &job, &Points::Row(row), &mut out).unwrap();
+        out.into_iter().map(T::bits).collect::<Vec<_>>()
+    };
+    let want = run(Isa::Scalar);
+    for isa in Isa::available() {
+        assert!(
+            run(isa) == want,
+            "{isa:?} {kind:?} {channels} channels {width}x{height} {edges:?} {matrix:?}"
+        );
+    }
+}
+
+#[test]
+fn instruction_sets_give_equal_rows() {
+    let mut random = Random(0xfeed_5678_9abc_def1);
+    for kind in KINDS {
+        for channels in 1..=5 {
+            for _ in 0..40 {
+                rows_agree::<u8>(&mut random, channels, kind);
+                rows_agree::<u16>(&mut random, channels, kind);
+                rows_agree::<f32>(&mut random, channels, kind);
+            }
+            rows_agree::<f64>(&mut random, channels, kind);
+        }
+    }
+}
+
+/// A source that is read through the blocks on their way.
+#[test]
+fn large_sources_give_equal_bytes() {
+    let mut random = Random(99);
+    for (channels, kind) in [(1, KINDS[0]), (3, KINDS[0]), (1, KINDS[1]), (3, KINDS[1]), (4, KINDS[2])] {
+        let (width, height) = (800, 700 / channels + 60);
+        let data: Vec<u16> = (0..width * height * channels).map(|_| u16::draw(&mut random)).collect();
+        let source = Source::new(&data, width, height, channels, width * channels).unwrap();
+        let border = vec![9; channels];
+        let job = Job::new(source, kind, [Edge::Border; 2], &border, Outside::Colour).unwrap();
+        let place = |i: usize, k: f64| (i as f64 * k - 20.0) as f32;
+        let mut x: Vec<f32> = (0..1000).map(|i| place(i, 0.9)).collect();
+        let mut y: Vec<f32> = (0..1000).map(|i| place(i, 0.3)).collect();
+        x.extend((0..1000).map(|_| (random.unit() * width as f64) as f32));
+        y.extend((0..1000).map(|_| (random.unit() * height as f64) as f32));
+        let mut all = Isa::available().into_iter().map(|isa| {
+            let mut out = vec![0u16; x.len() * channels];
+            remap(isa, &job, &Points::Plain(&x, &y), &mut out).unwrap();
+            out
+        });
+        let first = all.next().unwrap();
+        assert!(all.all(|other| other == first), "{channels} {kind:?}");
+    }
+}
+
 #[test]
 fn every_size_gives_equal_bytes_inside() {
     let mut random = Random(77);

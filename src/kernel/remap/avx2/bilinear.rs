@@ -1,6 +1,7 @@
 //! Bilinear: bytes and single channels.
 
-use super::{Block, Kernel, LANES};
+use super::{Kernel, Slot};
+use crate::kernel::remap::block::MOST;
 use std::arch::x86_64::*;
 
 /// 2^23 in the bits of a float: an integer below it in the low bits makes the float 2^23 + that integer.
@@ -10,12 +11,14 @@ const MAGIC: f32 = 8_388_608.0;
 /// The bilinear sum of four texels a lane, each raised by `raised`.
 #[inline]
 #[target_feature(enable = "avx2")]
-fn blend(a: __m256, b: __m256, c: __m256, d: __m256, raised: __m256, block: &Block) -> __m256 {
-    let left = _mm256_mul_ps(block.fy, _mm256_sub_ps(c, a));
-    let right = _mm256_mul_ps(block.fy, _mm256_sub_ps(d, b));
+fn blend(a: __m256, b: __m256, c: __m256, d: __m256, raised: __m256, slot: &Slot) -> __m256 {
+    // SAFETY: both arrays have 64 bytes.
+    let (fx, fy) = unsafe { (_mm256_loadu_ps(slot.fx.as_ptr()), _mm256_loadu_ps(slot.fy.as_ptr())) };
+    let left = _mm256_mul_ps(fy, _mm256_sub_ps(c, a));
+    let right = _mm256_mul_ps(fy, _mm256_sub_ps(d, b));
     let left = _mm256_add_ps(_mm256_sub_ps(a, raised), left);
     let right = _mm256_add_ps(_mm256_sub_ps(b, raised), right);
-    _mm256_add_ps(left, _mm256_mul_ps(block.fx, _mm256_sub_ps(right, left)))
+    _mm256_add_ps(left, _mm256_mul_ps(fx, _mm256_sub_ps(right, left)))
 }
 
 /// Integers in the low bits of each lane, 0x4b00 in the high ones.
@@ -31,7 +34,7 @@ pub(super) fn rounded(x: __m256) -> __m256i {
 /// The bytes are readable.
 #[inline]
 #[target_feature(enable = "avx2")]
-unsafe fn two(p: *const u8, at: &[u64; LANES], i: usize) -> __m128i {
+unsafe fn two(p: *const u8, at: &[u64; MOST], i: usize) -> __m128i {
     // SAFETY: the caller vouches for the bytes.
     unsafe {
         let first = _mm_loadl_epi64(p.add(at[i] as usize).cast());
@@ -45,7 +48,7 @@ unsafe fn two(p: *const u8, at: &[u64; LANES], i: usize) -> __m128i {
 /// The bytes are readable.
 #[inline]
 #[target_feature(enable = "avx2")]
-unsafe fn eights(p: *const u8, at: &[u64; LANES]) -> [__m256i; 2] {
+unsafe fn eights(p: *const u8, at: &[u64; MOST]) -> [__m256i; 2] {
     // SAFETY: the caller vouches for the bytes.
     let (a, b) = unsafe {
         (
@@ -76,10 +79,10 @@ impl<const C: usize> Bytes<C> {
     /// Channel `c` of a block: a byte in each lane.
     #[inline]
     #[target_feature(enable = "avx2")]
-    fn channel(c: usize, upper: &[__m256i; 2], lower: &[__m256i; 2], block: &Block) -> __m256i {
+    fn channel(c: usize, upper: &[__m256i; 2], lower: &[__m256i; 2], slot: &Slot) -> __m256i {
         let (a, b) = (pick(upper, c), pick(upper, C + c));
         let (c, d) = (pick(lower, c), pick(lower, C + c));
-        rounded(blend(a, b, c, d, _mm256_set1_ps(MAGIC), block))
+        rounded(blend(a, b, c, d, _mm256_set1_ps(MAGIC), slot))
     }
 }
 
@@ -87,14 +90,15 @@ impl<const C: usize> Kernel<u8> for Bytes<C> {
     const CHANNELS: usize = C;
     const TAPS: usize = 2;
     const LOAD: usize = 8;
+    const FETCHES: bool = true;
 
     #[inline]
     #[target_feature(enable = "avx2")]
-    unsafe fn block(&self, rows: *const u8, stride: usize, block: &Block, out: *mut u8) {
+    unsafe fn block(&self, rows: *const u8, stride: usize, slot: &Slot, out: *mut u8) {
         // SAFETY: eight bytes are readable in both rows.
         let (upper, lower) =
-            unsafe { (eights(rows, &block.offsets), eights(rows.add(stride), &block.offsets)) };
-        let channel = |c: usize| Self::channel(c, &upper, &lower, block);
+            unsafe { (eights(rows, &slot.offsets), eights(rows.add(stride), &slot.offsets)) };
+        let channel = |c: usize| Self::channel(c, &upper, &lower, slot);
         // Shifting moves the 0x4b of the float out.
         let (g, b) = (_mm256_slli_epi32::<8>(channel(1)), _mm256_slli_epi32::<16>(channel(2)));
         let all = _mm256_or_si256(_mm256_or_si256(channel(0), g), b);
@@ -145,11 +149,12 @@ impl Kernel<u8> for Single {
     const CHANNELS: usize = 1;
     const TAPS: usize = 2;
     const LOAD: usize = 2;
+    const FETCHES: bool = true;
 
     #[inline]
     #[target_feature(enable = "avx2")]
-    unsafe fn block(&self, rows: *const u8, stride: usize, block: &Block, out: *mut u8) {
-        let at = &block.offsets;
+    unsafe fn block(&self, rows: *const u8, stride: usize, slot: &Slot, out: *mut u8) {
+        let at = &slot.offsets;
         let row = |p: *const u8| {
             // SAFETY: two bytes are readable at every offset.
             let pair = |i: usize| unsafe { i32::from(p.add(at[i] as usize).cast::<u16>().read_unaligned()) };
@@ -164,7 +169,7 @@ impl Kernel<u8> for Single {
         };
         // SAFETY: the second row is inside the source.
         let ((a, b), (c, d)) = (row(rows), row(unsafe { rows.add(stride) }));
-        let sum = words(rounded(blend(a, b, c, d, _mm256_set1_ps(MAGIC), block)));
+        let sum = words(rounded(blend(a, b, c, d, _mm256_set1_ps(MAGIC), slot)));
         // SAFETY: the output has 8 bytes.
         unsafe { _mm_storel_epi64(out.cast(), _mm_packus_epi16(sum, sum)) };
     }
@@ -174,14 +179,15 @@ impl Kernel<u16> for Single {
     const CHANNELS: usize = 1;
     const TAPS: usize = 2;
     const LOAD: usize = 2;
+    const FETCHES: bool = true;
 
     #[inline]
     #[target_feature(enable = "avx2")]
-    unsafe fn block(&self, rows: *const u16, stride: usize, block: &Block, out: *mut u16) {
-        let at = &block.offsets;
+    unsafe fn block(&self, rows: *const u16, stride: usize, slot: &Slot, out: *mut u16) {
+        let at = &slot.offsets;
         let row = |p: *const u16| {
             // SAFETY: two elements are readable at every offset.
-            let pair = |i: usize| unsafe { p.add(at[i] as usize).cast::<i32>().read_unaligned() };
+            let pair = |i: usize| unsafe { p.byte_add(at[i] as usize).cast::<i32>().read_unaligned() };
             let four = |i: usize| {
                 let v = _mm_cvtsi32_si128(pair(i));
                 let v = _mm_insert_epi32::<1>(v, pair(i + 1));
@@ -192,7 +198,7 @@ impl Kernel<u16> for Single {
         };
         // SAFETY: the second row is inside the source.
         let ((a, b), (c, d)) = (row(rows), row(unsafe { rows.add(stride) }));
-        let sum = blend(a, b, c, d, _mm256_set1_ps(MAGIC), block);
+        let sum = blend(a, b, c, d, _mm256_set1_ps(MAGIC), slot);
         // SAFETY: the output has 16 bytes.
         unsafe { _mm_storeu_si128(out.cast(), words(rounded(sum))) };
     }
@@ -202,16 +208,16 @@ impl Kernel<f32> for Single {
     const CHANNELS: usize = 1;
     const TAPS: usize = 2;
     const LOAD: usize = 2;
+    const FETCHES: bool = true;
 
     #[inline]
     #[target_feature(enable = "avx2")]
-    unsafe fn block(&self, rows: *const f32, stride: usize, block: &Block, out: *mut f32) {
-        let bytes = block.offsets.map(|o| 4 * o);
+    unsafe fn block(&self, rows: *const f32, stride: usize, slot: &Slot, out: *mut f32) {
         // SAFETY: two floats are readable at every offset.
-        let row = |p: *const f32| unsafe { eights(p.cast(), &bytes) }.map(|v| _mm256_castsi256_ps(v));
+        let row = |p: *const f32| unsafe { eights(p.cast(), &slot.offsets) }.map(|v| _mm256_castsi256_ps(v));
         // SAFETY: the second row is inside the source.
         let ([a, b], [c, d]) = (row(rows), row(unsafe { rows.add(stride) }));
         // SAFETY: the output has 32 bytes. Nothing is raised: subtracting 0.0 changes no value.
-        unsafe { _mm256_storeu_ps(out, blend(a, b, c, d, _mm256_setzero_ps(), block)) };
+        unsafe { _mm256_storeu_ps(out, blend(a, b, c, d, _mm256_setzero_ps(), slot)) };
     }
 }

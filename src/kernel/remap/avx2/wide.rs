@@ -1,7 +1,7 @@
 //! Bilinear of more than a byte a channel, cubic and Lanczos: one pixel at a time.
 
 use super::bilinear::{rounded, words};
-use super::{Block, Kernel, LANES};
+use super::{Kernel, LANES, Slot};
 use crate::kernel::remap::sample::Sample;
 use crate::kernel::remap::weights::Weights;
 use std::arch::x86_64::*;
@@ -93,21 +93,19 @@ impl<T: Wide, const C: usize> Kernel<T> for Pairs<C> {
     const CHANNELS: usize = C;
     const TAPS: usize = 2;
     const LOAD: usize = 8;
+    const FETCHES: bool = true;
 
     #[inline]
     #[target_feature(enable = "avx2")]
-    unsafe fn block(&self, rows: *const T, stride: usize, block: &Block, out: *mut T) {
-        let (mut fx, mut fy) = ([0f32; LANES], [0f32; LANES]);
+    unsafe fn block(&self, rows: *const T, stride: usize, slot: &Slot, out: *mut T) {
         let mut buffer = [0f32; BUFFER];
         let second = _mm256_setr_epi32(3, 4, 5, 5, 3, 4, 5, 5);
         // SAFETY: eight elements are readable in both rows; the buffers are long enough.
         unsafe {
-            _mm256_storeu_ps(fx.as_mut_ptr(), block.fx);
-            _mm256_storeu_ps(fy.as_mut_ptr(), block.fy);
             for i in 0..LANES {
-                let p = rows.add(block.offsets[i] as usize);
+                let p = rows.byte_add(slot.offsets[i] as usize);
                 let (upper, lower) = (T::eight(p), T::eight(p.add(stride)));
-                let fy = _mm256_set1_ps(fy[i]);
+                let fy = _mm256_set1_ps(slot.fy[i]);
                 let both = _mm256_add_ps(upper, _mm256_mul_ps(fy, _mm256_sub_ps(lower, upper)));
                 let left = _mm256_castps256_ps128(both);
                 let right = if C == 3 {
@@ -115,7 +113,7 @@ impl<T: Wide, const C: usize> Kernel<T> for Pairs<C> {
                 } else {
                     _mm256_extractf128_ps::<1>(both)
                 };
-                let step = _mm_mul_ps(_mm_set1_ps(fx[i]), _mm_sub_ps(right, left));
+                let step = _mm_mul_ps(_mm_set1_ps(slot.fx[i]), _mm_sub_ps(right, left));
                 _mm_storeu_ps(buffer.as_mut_ptr().add(i * C), _mm_add_ps(left, step));
             }
             T::store(&buffer, LANES * C, out);
@@ -161,26 +159,21 @@ impl<T: Wide, W: Weights<K>, const K: usize, const C: usize> Kernel<T> for Separ
     const CHANNELS: usize = C;
     const TAPS: usize = K;
     const LOAD: usize = (K - 2) * C + 8;
+    const FETCHES: bool = true;
 
     #[inline]
     #[target_feature(enable = "avx2")]
-    unsafe fn block(&self, rows: *const T, stride: usize, block: &Block, out: *mut T) {
-        let (mut fx, mut fy) = ([0f32; LANES], [0f32; LANES]);
-        // SAFETY: the arrays are 32 bytes.
-        unsafe {
-            _mm256_storeu_ps(fx.as_mut_ptr(), block.fx);
-            _mm256_storeu_ps(fy.as_mut_ptr(), block.fy);
-        }
+    unsafe fn block(&self, rows: *const T, stride: usize, slot: &Slot, out: *mut T) {
         let (mut wx, mut wy) = ([[0f32; K]; LANES], [[0f32; K]; LANES]);
         for i in 0..LANES {
-            wx[i] = self.0.at(fx[i]);
-            wy[i] = self.0.at(fy[i]);
+            wx[i] = self.0.at(slot.fx[i]);
+            wy[i] = self.0.at(slot.fy[i]);
         }
         let mut buffer = [0f32; BUFFER];
         for i in 0..LANES {
             // SAFETY: `LOAD` elements are readable in each of `K` rows.
             unsafe {
-                let p = rows.add(block.offsets[i] as usize);
+                let p = rows.byte_add(slot.offsets[i] as usize);
                 let (a, b) = (
                     Self::columns(p, stride, &wx[i], &wy[i], 0),
                     Self::columns(p, stride, &wx[i], &wy[i], 2),

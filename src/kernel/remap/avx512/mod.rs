@@ -1,15 +1,16 @@
-//! AVX-512: blocks of sixteen pixels whose taps all lie inside the picture.
+//! AVX-512: blocks of sixteen pixels.
 //!
 //! Bilinear, bytes and single channels: the texels of a pixel come by one scalar load a row and are inserted
-//! into vectors; arithmetic has one vector a channel. Bilinear, other formats: one pixel at a time, a row of
-//! both texels in a vector. Wider kernels: one pixel at a time, four taps of up to four channels in a vector.
-//! Gathers were 10 to 40 % slower, buffers of texels on the stack 5 to 10 %.
+//! into vectors; arithmetic has one vector a channel. Bilinear, other formats: two pixels a vector down the columns,
+//! four along the rows. Wider kernels: one pixel at a time, four taps of up to four channels in a vector.
+//! Gathers were 10 to 40 % slower, buffers of texels on the stack 5 to 10 %, stores past the caches 5 to 20 %.
 
-use super::block::{Rest, bounds};
+use super::block::{self, Frame, Kernel, MOST, Set, Slot};
+use super::copy::Copy;
 use super::sample::Sample;
 use super::scalar::lanczos_table;
 use super::weights::{Cubic, Lanczos};
-use super::{Interpolation, Job, Points};
+use super::{Interpolation, Job, Points, Row};
 use crate::kernel::Isa;
 use bilinear::{Bytes, Single};
 use std::arch::x86_64::*;
@@ -19,79 +20,102 @@ mod bilinear;
 mod wide;
 
 /// Pixels of a block.
-const LANES: usize = 16;
+const LANES: usize = MOST;
 
-/// Blocks between a prefetch and its use where positions are scattered.
-const AHEAD: usize = 3;
+struct Avx512;
 
-/// A block's fractions and the elements' indices of its first taps.
-struct Block {
-    offsets: [u64; LANES],
-    fx: __m512,
-    fy: __m512,
-}
-
-/// A block kernel. `rows` points at element 0 of the source.
-trait Kernel<T> {
-    /// Channels.
-    const CHANNELS: usize;
-    /// Taps an axis.
-    const TAPS: usize;
-    /// Elements that may be read from a row's first tap on.
-    const LOAD: usize;
-    /// # Safety
-    /// AVX-512 F, BW, VL, DQ and VBMI are there. `rows[offset + j * stride..][..LOAD]` is readable for every
-    /// offset and `j < TAPS`; `out` has room for `LANES * CHANNELS` elements.
-    unsafe fn block(&self, rows: *const T, stride: usize, block: &Block, out: *mut T);
-}
-
-/// Whole parts and fractions of the positions from `i` on.
-///
-/// # Safety
-/// AVX-512 F is there and `i + LANES` positions exist.
+/// Whole parts and fractions of the positions that a matrix gives to sixteen pixels, as [`super::Buffer::matrix`]
+/// makes them. What is not finite or too large has a whole part that is outside of every picture.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx512dq,avx512vbmi")]
-unsafe fn positions(points: &Points<'_, f32>, i: usize) -> (__m512i, __m512i, __m512, __m512) {
-    // SAFETY: the caller vouches for the length, of all slices alike.
-    unsafe {
-        match points {
-            Points::Plain(x, y) => {
-                let (x, y) = (_mm512_loadu_ps(x.as_ptr().add(i)), _mm512_loadu_ps(y.as_ptr().add(i)));
-                // Rounding mode 9: down, without exceptions.
-                let (wx, wy) = (_mm512_roundscale_ps::<9>(x), _mm512_roundscale_ps::<9>(y));
-                let fractions = (_mm512_sub_ps(x, wx), _mm512_sub_ps(y, wy));
-                (_mm512_cvttps_epi32(wx), _mm512_cvttps_epi32(wy), fractions.0, fractions.1)
+fn row_positions(row: &Row<'_>, i: usize, whole: bool) -> (__m512i, __m512i, __m512, __m512) {
+    let m = row.matrix;
+    let [cx, cy, cw] = [1, 4, 7].map(|k| _mm512_set1_pd(m[k] * row.y + m[k + 1]));
+    let affine = m[6] == 0.0 && m[7] == 0.0 && m[8] == 1.0;
+    let eight = |first: f64| {
+        let x = _mm512_add_pd(_mm512_set1_pd(row.x0 + first), _mm512_setr_pd(0., 1., 2., 3., 4., 5., 6., 7.));
+        let along = |k: usize, c: __m512d| _mm512_add_pd(_mm512_mul_pd(_mm512_set1_pd(m[k]), x), c);
+        let (px, py) = (along(0, cx), along(3, cy));
+        let (px, py) = if affine {
+            (px, py)
+        } else {
+            // A zero divisor makes infinity or NaN, which is nowhere.
+            let r = _mm512_div_pd(_mm512_set1_pd(1.0), along(6, cw));
+            (_mm512_mul_pd(px, r), _mm512_mul_pd(py, r))
+        };
+        [px, py].map(|p| {
+            // Rounding modes 8 and 9: nearest even and down, without exceptions.
+            let w = if whole { _mm512_roundscale_pd::<8>(p) } else { _mm512_roundscale_pd::<9>(p) };
+            (_mm512_cvttpd_epi32(w), _mm512_cvtpd_ps(_mm512_sub_pd(p, w)))
+        })
+    };
+    let ([(x0, fx0), (y0, fy0)], [(x1, fx1), (y1, fy1)]) = (eight(i as f64), eight((i + 8) as f64));
+    let ints = |low, high| _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high);
+    let floats = |low, high| _mm512_insertf32x8::<1>(_mm512_castps256_ps512(low), high);
+    (ints(x0, x1), ints(y0, y1), floats(fx0, fx1), floats(fy0, fy1))
+}
+
+impl Set for Avx512 {
+    const ISA: Isa = Isa::Avx512;
+    const LANES: usize = LANES;
+
+    #[inline]
+    #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx512dq,avx512vbmi")]
+    unsafe fn take(points: &Points<'_, f32>, i: usize, whole: bool, frame: &Frame, slot: &mut Slot) {
+        // SAFETY: the caller vouches for the number of positions.
+        let (x, y, fx, fy) = unsafe {
+            match points {
+                Points::Row(row) => row_positions(row, i, whole),
+                Points::Plain(x, y) => {
+                    let (x, y) = (_mm512_loadu_ps(x.as_ptr().add(i)), _mm512_loadu_ps(y.as_ptr().add(i)));
+                    let floor =
+                        |v| if whole { _mm512_roundscale_ps::<8>(v) } else { _mm512_roundscale_ps::<9>(v) };
+                    let (wx, wy) = (floor(x), floor(y));
+                    let fractions = (_mm512_sub_ps(x, wx), _mm512_sub_ps(y, wy));
+                    (_mm512_cvttps_epi32(wx), _mm512_cvttps_epi32(wy), fractions.0, fractions.1)
+                }
+                Points::Split(s) => (
+                    _mm512_loadu_si512(s.x.as_ptr().add(i).cast()),
+                    _mm512_loadu_si512(s.y.as_ptr().add(i).cast()),
+                    _mm512_loadu_ps(s.fx.as_ptr().add(i)),
+                    _mm512_loadu_ps(s.fy.as_ptr().add(i)),
+                ),
             }
-            Points::Split(s) => (
-                _mm512_loadu_si512(s.x.as_ptr().add(i).cast()),
-                _mm512_loadu_si512(s.y.as_ptr().add(i).cast()),
-                _mm512_loadu_ps(s.fx.as_ptr().add(i)),
-                _mm512_loadu_ps(s.fy.as_ptr().add(i)),
-            ),
+        };
+        let set = |v: i32| _mm512_set1_epi32(v);
+        let (x0, y0) = (_mm512_sub_epi32(x, set(frame.before)), _mm512_sub_epi32(y, set(frame.before)));
+        let below = |v, limit: u32| _mm512_cmplt_epu32_mask(v, set(limit as i32));
+        let inside = below(x0, frame.limit[0]) & below(y0, frame.limit[1]);
+        let near = below(_mm512_add_epi32(x, set(frame.reach)), frame.span[0])
+            & below(_mm512_add_epi32(y, set(frame.reach)), frame.span[1]);
+        (slot.inside, slot.near) = (inside.into(), near.into());
+        let first = _mm512_broadcastd_epi32(_mm512_castsi512_si128(y));
+        slot.scattered = _mm512_cmpgt_epi32_mask(_mm512_abs_epi32(_mm512_sub_epi32(y, first)), set(32)) != 0;
+        let [stride, pixel] = frame.bytes.map(|n| _mm512_set1_epi64(n as i64));
+        let half = |x: __m256i, y: __m256i| {
+            let row = _mm512_mul_epu32(_mm512_cvtepu32_epi64(y), stride);
+            _mm512_add_epi64(row, _mm512_mul_epu32(_mm512_cvtepu32_epi64(x), pixel))
+        };
+        let (x0, y0) = (_mm512_maskz_mov_epi32(inside, x0), _mm512_maskz_mov_epi32(inside, y0));
+        let low = half(_mm512_castsi512_si256(x0), _mm512_castsi512_si256(y0));
+        let high = half(_mm512_extracti64x4_epi64::<1>(x0), _mm512_extracti64x4_epi64::<1>(y0));
+        // SAFETY: the arrays have 128 and 64 bytes.
+        unsafe {
+            _mm512_storeu_si512(slot.offsets.as_mut_ptr().cast(), low);
+            _mm512_storeu_si512(slot.offsets.as_mut_ptr().add(8).cast(), high);
+            _mm512_storeu_ps(slot.fx.as_mut_ptr(), fx);
+            _mm512_storeu_ps(slot.fy.as_mut_ptr(), fy);
         }
     }
-}
 
-/// `y * stride + x * channels` in 64 bits.
-#[inline]
-#[target_feature(enable = "avx512f,avx512bw,avx512vl,avx512dq,avx512vbmi")]
-fn offsets(x: __m512i, y: __m512i, stride: __m512i, channels: __m512i) -> [u64; LANES] {
-    let half = |x: __m256i, y: __m256i| {
-        let row = _mm512_mul_epu32(_mm512_cvtepu32_epi64(y), stride);
-        _mm512_add_epi64(row, _mm512_mul_epu32(_mm512_cvtepu32_epi64(x), channels))
-    };
-    let low = half(_mm512_castsi512_si256(x), _mm512_castsi512_si256(y));
-    let high = half(_mm512_extracti64x4_epi64::<1>(x), _mm512_extracti64x4_epi64::<1>(y));
-    let mut all = [0u64; LANES];
-    // SAFETY: both halves of the array are 64 bytes.
-    unsafe {
-        _mm512_storeu_si512(all.as_mut_ptr().cast(), low);
-        _mm512_storeu_si512(all.as_mut_ptr().add(8).cast(), high);
+    #[inline(always)]
+    fn fetch(at: *const u8) {
+        // SAFETY: prefetching has no other effect for any address.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(at.cast()) };
     }
-    all
 }
 
-/// Runs a kernel over all whole interior blocks and the scalar code over the rest.
+/// Runs a kernel over all blocks.
 #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx512dq,avx512vbmi")]
 fn drive<T: Sample<Acc = f32>, K: Kernel<T>>(
     kernel: &K,
@@ -99,66 +123,19 @@ fn drive<T: Sample<Acc = f32>, K: Kernel<T>>(
     points: &Points<'_, f32>,
     out: &mut [T],
 ) {
-    let source = &job.source;
-    let count = out.len() / K::CHANNELS;
-    let mut rest = Rest::new(Isa::Avx512, job);
-    let bounds = bounds(source, K::TAPS, K::LOAD);
-    let before = _mm512_set1_epi32(K::TAPS as i32 / 2 - 1);
-    let limit = bounds.map(|b| _mm512_set1_epi32(b as i32));
-    // A pixel at -taps/2 - 1 or at the side + taps/2 - 1 and beyond has no tap inside.
-    let reach = _mm512_set1_epi32(K::TAPS as i32 / 2);
-    let span = [source.width, source.height].map(|n| _mm512_set1_epi32((n + K::TAPS - 1) as i32));
-    let stride = _mm512_set1_epi64(source.row_stride as i64);
-    let channels = _mm512_set1_epi64(K::CHANNELS as i64);
-    let far = _mm512_set1_epi32(32);
-    let base = source.data.as_ptr();
-    let mut start = 0;
-    while start + LANES <= count {
-        // SAFETY: `start + LANES <= count`, the length of all slices of positions.
-        let (x, y, fx, fy) = unsafe { positions(points, start) };
-        let (x0, y0) = (_mm512_sub_epi32(x, before), _mm512_sub_epi32(y, before));
-        let inside = _mm512_cmplt_epu32_mask(x0, limit[0]) & _mm512_cmplt_epu32_mask(y0, limit[1]);
-        if inside == u16::MAX {
-            let spread =
-                _mm512_abs_epi32(_mm512_sub_epi32(y, _mm512_broadcastd_epi32(_mm512_castsi512_si128(y))));
-            if _mm512_cmpgt_epi32_mask(spread, far) != 0 && start + (AHEAD + 1) * LANES <= count {
-                // SAFETY: the positions are there; prefetching has no other effect for any address.
-                unsafe {
-                    let (x, y, ..) = positions(points, start + AHEAD * LANES);
-                    for offset in offsets(x, y, stride, channels) {
-                        let first = base.wrapping_add(offset as usize);
-                        _mm_prefetch::<_MM_HINT_T0>(first.cast());
-                        for row in 1..K::TAPS {
-                            _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(row * source.row_stride).cast());
-                        }
-                    }
-                }
-            }
-            let block = Block { offsets: offsets(x0, y0, stride, channels), fx, fy };
-            // SAFETY: the first taps are below `bounds`, which keeps every load inside the slice; the output
-            // has `count * CHANNELS` elements; this function has the instruction sets.
-            unsafe {
-                kernel.block(base, source.row_stride, &block, out.as_mut_ptr().add(start * K::CHANNELS));
-            }
-        } else {
-            let near = _mm512_cmplt_epu32_mask(_mm512_add_epi32(x, reach), span[0])
-                & _mm512_cmplt_epu32_mask(_mm512_add_epi32(y, reach), span[1]);
-            if near == 0 && rest.fills() {
-                rest.fill(&mut out[start * K::CHANNELS..(start + LANES) * K::CHANNELS]);
-            } else {
-                rest.pixels(points, start, start + LANES, out);
-            }
-        }
-        start += LANES;
-    }
-    rest.pixels(points, start, count, out);
+    // SAFETY: this function is compiled for the set, and called where the machine has it.
+    unsafe { block::drive::<Avx512, T, K>(kernel, job, points, out) };
 }
 
-/// Kernels of more than two taps; `false` for a format that has none.
+/// Nearest, and kernels of more than two taps; `false` for a format that has none.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx512dq,avx512vbmi")]
 fn wide<T: Wide>(job: &Job<'_, T>, points: &Points<'_, f32>, out: &mut [T]) -> bool {
     match (job.interpolation, job.source.channels) {
+        (Interpolation::Nearest, 1) => drive(&Copy::<1, LANES>, job, points, out),
+        (Interpolation::Nearest, 2) => drive(&Copy::<2, LANES>, job, points, out),
+        (Interpolation::Nearest, 3) => drive(&Copy::<3, LANES>, job, points, out),
+        (Interpolation::Nearest, 4) => drive(&Copy::<4, LANES>, job, points, out),
         (Interpolation::Bicubic(a), 3) => drive(&Separable::<_, 4, 3>(Cubic(a)), job, points, out),
         (Interpolation::Bicubic(a), 4) => drive(&Separable::<_, 4, 4>(Cubic(a)), job, points, out),
         (Interpolation::Lanczos4, 3) => {
