@@ -1,13 +1,15 @@
 //! Rows of a level from rows of the level below, by boxes, and to codes.
 //!
 //! Plain loops over numbers are compiled once for each instruction set; nothing is fused or reordered, so
-//! their bytes are equal. Bytes in sRGB have a hand-written AVX-512 form.
+//! their bytes are equal. Bytes in sRGB have a hand-written AVX-512 form, plain bytes an AVX2 one.
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod scalar;
 
-use super::Isa;
+use super::{Isa, compiled_for};
 use std::ops::{Add, Mul};
 
 /// Single or double precision.
@@ -126,16 +128,31 @@ dispatch! {
     mix_columns<R: Float>(row: &[R], weights: &[R], channels: usize, out: &mut [R])
 }
 dispatch! {
-    /// Sums of 2 x 2 integer codes over four, exact.
-    halve_bytes<>(a: &[u8], b: &[u8], channels: usize, out: &mut [f32])
-}
-dispatch! {
-    /// Nearest bytes, halves up, saturated; NaN is 0.
-    to_bytes<>(numbers: &[f32], out: &mut [u8])
-}
-dispatch! {
     /// Nearest 16-bit codes likewise.
     to_words<>(numbers: &[f32], out: &mut [u16])
+}
+
+/// Sums of 2 x 2 integer codes over four, exact.
+pub fn halve_bytes(isa: Isa, a: &[u8], b: &[u8], channels: usize, out: &mut [f32]) {
+    #[cfg(target_arch = "x86_64")]
+    if isa >= Isa::Avx2 && isa.is_supported() && channels == 4 {
+        // SAFETY: the machine has AVX2.
+        let done = unsafe { avx2::halve_bytes_4(a, b, out) };
+        return scalar::halve_bytes(&a[2 * done..], &b[2 * done..], channels, &mut out[done..]);
+    }
+    compiled_for(isa, || scalar::halve_bytes(a, b, channels, out));
+}
+
+/// Nearest bytes, halves up, saturated; NaN is 0.
+pub fn to_bytes(isa: Isa, numbers: &[f32], out: &mut [u8]) {
+    #[cfg(target_arch = "x86_64")]
+    if isa >= Isa::Avx2 && isa.is_supported() {
+        // SAFETY: the machine has AVX2.
+        let done = unsafe { avx2::to_bytes(numbers, out) };
+        return scalar::to_bytes(&numbers[done..], &mut out[done..]);
+    }
+    let _ = isa;
+    scalar::to_bytes(numbers, out);
 }
 
 /// Means of 2 x 2 sRGB texels in linear light, 0 to 1. With `linear_last` the last channel is summed as it is.
