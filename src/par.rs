@@ -72,7 +72,8 @@ pub fn for_each<T: Send>(
     work: impl Fn(usize, T) -> Result<()> + Sync,
 ) -> Result<()> {
     let total = tiles.len();
-    let threads = num_threads().min(total);
+    // Asking how many threads there are takes longer than a small tile.
+    let threads = if total > 1 { num_threads().min(total) } else { 1 };
     if total <= 1 || threads <= 1 {
         for (i, tile) in tiles.enumerate() {
             if i % TILES_PER_CHECK == TILES_PER_CHECK - 1 {

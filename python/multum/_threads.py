@@ -9,8 +9,10 @@ from ._arguments import count
 def set_num_threads(threads: SupportsIndex | None) -> None:
     """Limit every later call in this process to so many threads; None for all that the machine has.
 
-    Results do not depend on it. The environment variable ``MULTUM_NUM_THREADS`` sets the limit at import;
-    a call's own ``threads=`` goes before it.
+    Results do not depend on it. The environment variable ``MULTUM_NUM_THREADS``, or else ``OMP_NUM_THREADS``, by
+    which joblib tells its worker processes how many threads are theirs, sets the limit at import; a call's own
+    ``threads=`` goes before it. All calls of a process share their threads, so that calls from several threads, as
+    dask makes them, do not add up to more.
 
     Raises
     ------

@@ -62,17 +62,31 @@ impl Isa {
         Self::NAMES.iter().map(|(_, isa)| *isa).filter(|isa| isa.is_supported()).collect()
     }
 
+    /// The set that the environment variable `MULTUM_SIMD` names, if it is there and not empty.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for an unknown word, or a set that the machine lacks.
+    pub fn wished() -> Result<Option<Self>> {
+        let Some(word) = std::env::var_os("MULTUM_SIMD").filter(|word| !word.is_empty()) else {
+            return Ok(None);
+        };
+        let found = Self::NAMES.iter().find(|(name, isa)| word == *name && isa.is_supported());
+        found.map(|(_, isa)| Some(*isa)).ok_or_else(|| {
+            let here: Vec<&str> =
+                Self::NAMES.iter().filter(|(_, isa)| isa.is_supported()).map(|(name, _)| *name).collect();
+            Error::value("MULTUM_SIMD", format!("{word:?}"), format!("one of {here:?}"))
+        })
+    }
+
     /// The set that kernels use on this thread: the one forced by [`with_isa`], else the one that the
-    /// environment variable `MULTUM_SIMD` names, else the best there is. A word that is unknown or a set
-    /// that is absent in `MULTUM_SIMD` is ignored.
+    /// environment variable `MULTUM_SIMD` names, else the best there is, also where [`Isa::wished`] finds fault with
+    /// the variable.
     pub fn current() -> Self {
         static DEFAULT: OnceLock<Isa> = OnceLock::new();
         FORCED.get().unwrap_or_else(|| {
             *DEFAULT.get_or_init(|| {
-                let wish = std::env::var("MULTUM_SIMD").ok();
-                let named = wish.and_then(|w| Self::NAMES.iter().find(|(n, _)| *n == w).map(|(_, isa)| *isa));
                 let best = Self::available().pop().unwrap_or(Self::Scalar);
-                named.filter(|isa| isa.is_supported()).unwrap_or(best)
+                Self::wished().ok().flatten().unwrap_or(best)
             })
         })
     }

@@ -5,8 +5,11 @@ from __future__ import annotations
 import doctest
 import importlib
 import inspect
+import os
 import pkgutil
 import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -243,3 +246,29 @@ def test_no_number_does_harm(
     assert np.isfinite(got).all()
     assert np.abs(got).max() <= 1.6
     assert np.isfinite(texture.sample(uv, lod=bias, filter=filter)).all()
+
+
+@pytest.mark.parametrize(
+    ("variables", "threads", "warned"),
+    [
+        ({"MULTUM_NUM_THREADS": "3", "OMP_NUM_THREADS": "1"}, 3, ""),
+        ({"OMP_NUM_THREADS": "1"}, 1, ""),
+        ({"OMP_NUM_THREADS": "5,2"}, 5, ""),
+        ({"MULTUM_NUM_THREADS": "many"}, 0, "MULTUM_NUM_THREADS"),
+        ({"MULTUM_SIMD": "scalar"}, 0, ""),
+        ({"MULTUM_SIMD": "mmx"}, 0, "MULTUM_SIMD"),
+    ],
+)
+def test_the_environment_sets_limits_or_is_said_to_be_wrong(
+    variables: dict[str, str], threads: int, warned: str
+) -> None:
+    names = ("MULTUM_NUM_THREADS", "OMP_NUM_THREADS", "MULTUM_SIMD")
+    environment = {k: v for k, v in os.environ.items() if k not in names}
+    code = "import multum as mt; print(mt.get_num_threads())"
+    run = subprocess.run(
+        [sys.executable, "-c", code], env=environment | variables, capture_output=True, text=True, check=True
+    )
+    # Without a limit it is what the machine has.
+    assert int(run.stdout) == threads if threads else int(run.stdout) >= 1
+    assert ("RuntimeWarning" in run.stderr) == bool(warned)
+    assert warned in run.stderr

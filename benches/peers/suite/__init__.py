@@ -1,0 +1,1 @@
+"""What ``benches/peers/run.py`` is made of."""
