@@ -290,8 +290,8 @@ mod tests {
             assert!(made.is_finite);
             for level in FINEST..=made.coarsest() {
                 let side = 1i64 << level;
-                for y in FIRST..h as i64 + 2 {
-                    for x in FIRST..w as i64 + 2 {
+                for y in FIRST..=h as i64 {
+                    for x in FIRST..=w as i64 {
                         // The texel at a block's far edge belongs to both.
                         let (i, j) = ((x - FIRST) / side, (y - FIRST) / side);
                         let block = made.block(level, i, j);
