@@ -66,7 +66,7 @@ pub struct SphereTexture(Kind);
 
 #[derive(Debug)]
 enum Kind {
-    Equirect(equirect::Globe),
+    Equirect(Box<equirect::Globe>),
     Cube(Box<cube::Box6>),
 }
 
@@ -106,7 +106,7 @@ impl SphereTexture {
     /// # Errors
     /// [`Error::Value`] when options do not fit the image.
     pub fn equirect(image: AnyView<'_>, options: TextureOptions) -> Result<Self> {
-        Ok(Self(Kind::Equirect(equirect::Globe::new(image, options)?)))
+        Ok(Self(Kind::Equirect(Box::new(equirect::Globe::new(image, options)?))))
     }
 
     /// A cube whose faces lie in one picture as `layout` says. `options.wrap` is not read. Levels are made at once.
