@@ -6,9 +6,9 @@
 //!
 //! - far from poles and edges one, by the sampler's own filter on the map's analytic Jacobian;
 //! - near a pole, where the map to the picture bends within a pixel, parts of the parallelogram, each with its own
-//!   place and Jacobian, in a picture that goes on over the pole ([`equirect`]);
+//!   place and Jacobian, in a picture that goes on over the pole (`equirect.rs`);
 //! - near an edge of the cube, probes on all faces they meet, on levels whose texels continue on the
-//!   neighbouring faces ([`cube`]).
+//!   neighbouring faces (`cube.rs`).
 //!
 //! Directions are seen in the frame x right, y up, z forward; those of any length will do.
 

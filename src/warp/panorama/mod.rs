@@ -1,9 +1,9 @@
 //! Panoramas: from one form of a picture of all directions to another, at any rotation.
 //!
 //! Where the map from the target's pixels to the source is smooth, which is nearly everywhere, rectangles of pixels are
-//! read by vector kernels at several points a pixel, from polynomials that are the map to 1/128 texel ([`tile`]). Around poles,
+//! read by vector kernels at several points a pixel, from polynomials that are the map to 1/128 texel (`tile.rs`). Around poles,
 //! rims and folds, and for filters that are asked for by name, every pixel has a place and an analytic Jacobian, or several,
-//! for the filter ([`rest`]). Work is done in bands of rows, so memory beyond the two pictures stays the same for any size.
+//! for the filter (`rest.rs`). Work is done in bands of rows, so memory beyond the two pictures stays the same for any size.
 //!
 //! Seams: an equirectangular picture repeats along u; a face of a cube carries one texel of its neighbours around it, on
 //! every level.
