@@ -45,7 +45,8 @@ def frames(d: Array) -> tuple[Array, Array]:
 def seen(d: Array, dx: Array, dy: Array) -> Array:
     """The mean of the smooth function over each pixel."""
     steps = (np.arange(5) + 0.5) / 5 - 0.5
-    return np.mean([smooth(d + a * dx + b * dy) for a in steps for b in steps], axis=0)
+    mean: Array = np.mean([smooth(d + a * dx + b * dy) for a in steps for b in steps], axis=0)
+    return mean
 
 
 def special(form: str, d: Array, near: float) -> NDArray[np.bool_]:
