@@ -32,6 +32,11 @@ pub(super) fn load(folder: &Path, bytes: &[u8], normals: Normals) -> std::result
     let mut json = document.into_json();
     // Integers as coordinates, which the crate does not know of and `accessor` reads.
     json.extensions_required.retain(|name| name != "KHR_mesh_quantization");
+    // The crate's own validation reads these accessors before it looks whether they are there.
+    let named = json.meshes.iter().flat_map(|m| &m.primitives).flat_map(|p| p.attributes.values());
+    if named.into_iter().any(|accessor| accessor.value() >= json.accessors.len()) {
+        return Err("no valid glTF 2.0 (a primitive names an accessor that is not there)".into());
+    }
     let document = gltf::Document::from_json(json).map_err(invalid)?;
     let buffers = buffers(&document, blob, folder)?;
     let mut mesh = Mesh::default();
