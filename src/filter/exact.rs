@@ -26,6 +26,9 @@ const POINT: f64 = 1e-9;
 /// Texels of a level that one footprint may touch.
 const MOST: f64 = 1_048_576.0;
 
+/// Periods that one footprint may touch.
+const PERIODS: f64 = 1024.0;
+
 thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
@@ -36,7 +39,22 @@ pub(crate) fn exact<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, query: &Query)
     if !query.jacobian_tx.is_finite() {
         return bilinear(r, r.last_level(), query.s, query.t);
     }
+    let query = &cut(r, query);
     mean_on_level(r, bounded_level(r, query), query)
+}
+
+/// The footprint with no more than [`PERIODS`] along an axis that repeats: the mean of more of them differs by a
+/// thousandth of the contrast at most, and their number has no end.
+fn cut<T: Texel, D>(r: &Reader<'_, T, D>, query: &Query) -> Query {
+    let base = &r.layers.planes[0];
+    let mut query = *query;
+    for (axis, n) in [base.width, base.height].into_iter().enumerate() {
+        if let Some(period) = r.layers.wrap[axis].period(n.into()) {
+            let most = PERIODS * period;
+            query.jacobian_tx.m[axis] = query.jacobian_tx.m[axis].map(|x| x.clamp(-most, most));
+        }
+    }
+    query
 }
 
 /// The finest level on which the footprint's bounding box, as far as there are texels, holds at most [`MOST`].
