@@ -50,8 +50,9 @@ def picture(side, dtype, channels):
 
 def opencv_calls(side):
     """Names, arguments and options that mean the same in both."""
+    # None of them reduces: multum would average, and the two would not do the same work.
     turn = np.array([[0.8, -0.5, side / 3], [0.5, 0.8, -side / 6]])
-    tilt = np.vstack([turn, [0.1 / side, -0.05 / side, 1]])
+    tilt = np.vstack([0.8 * turn, [0.1 / side, -0.05 / side, 1]])
     x, y = np.meshgrid(np.arange(side, dtype=np.float32), np.arange(side, dtype=np.float32))
     maps = tuple((m[0] * x + m[1] * y + m[2]).astype(np.float32) for m in turn)
     camera = np.array([[side * 1.0, 0, side / 2], [0, side * 1.0, side / 2], [0, 0, 1]])

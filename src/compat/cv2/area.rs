@@ -126,7 +126,8 @@ fn halve<T: Element>([upper, lower]: [&[T]; 2], channels: usize, out: &mut [T]) 
             let pairs = upper.as_chunks::<{ 2 * $n }>().0.iter().zip(lower.as_chunks::<{ 2 * $n }>().0);
             for (out, (a, b)) in out.as_chunks_mut::<$n>().0.iter_mut().zip(pairs) {
                 for c in 0..$n {
-                    out[c] = T::narrow::<2>(T::four([a[c], a[c + $n], b[c], b[c + $n]].map(T::wide)));
+                    let four = [a[c].wide(), a[c + $n].wide(), b[c].wide(), b[c + $n].wide()];
+                    out[c] = T::narrow::<2>(T::four(four));
                 }
             }
         }};
@@ -140,8 +141,8 @@ fn halve<T: Element>([upper, lower]: [&[T]; 2], channels: usize, out: &mut [T]) 
             let pairs = upper.chunks_exact(2 * channels).zip(lower.chunks_exact(2 * channels));
             for (out, (a, b)) in out.chunks_exact_mut(channels).zip(pairs) {
                 for (c, out) in out.iter_mut().enumerate() {
-                    let four = [a[c], a[c + channels], b[c], b[c + channels]];
-                    *out = T::narrow::<2>(T::four(four.map(T::wide)));
+                    let four = [a[c].wide(), a[c + channels].wide(), b[c].wide(), b[c + channels].wide()];
+                    *out = T::narrow::<2>(T::four(four));
                 }
             }
         }
@@ -203,7 +204,9 @@ fn sum_columns<T: Pixel>(sums: &[T::Acc], channels: usize, across: &Shares<T::Ac
                         sum[c] = sum[c] + w * pixel[c];
                     }
                 }
-                *out = sum.map(T::put);
+                for c in 0..$n {
+                    out[c] = T::put(sum[c]);
+                }
             }
         }};
     }

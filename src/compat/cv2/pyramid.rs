@@ -159,7 +159,7 @@ pub fn down<T: Element>(src: Rows<'_, T>, wrap: Wrap, size: [usize; 2], out: &mu
             let five: [&[T]; 5] = std::array::from_fn(|j| src.row(rows[2 * (first + y) + j]));
             compiled_for(isa, || {
                 let inner = &mut sums[2 * channels..];
-                add(five, inner, |v| T::five(v.map(T::wide)));
+                add(five, inner, T::five);
                 outer(&mut sums, channels, src.width, &columns);
                 smooth::<T>(&sums, channels, &mut fine);
                 every_second(&fine, channels, out);
@@ -199,9 +199,9 @@ pub fn up<T: Element>(src: Rows<'_, T>, size: [usize; 2], out: &mut [T]) -> Resu
                 let inner = &mut sums[channels..];
                 if y % 2 == 0 {
                     let above = src.row(if at == 0 { 1.min(last) } else { at - 1 });
-                    add([above, src.row(at), below], inner, |v| T::three(v.map(T::wide)));
+                    add([above, src.row(at), below], inner, T::three);
                 } else {
-                    add([src.row(at), below], inner, |v| T::two(v.map(T::wide)));
+                    add([src.row(at), below], inner, T::two);
                 }
                 let n = src.width * channels;
                 sums.copy_within(
@@ -234,11 +234,22 @@ fn indices(wrap: Wrap, first: i64, count: usize, n: usize) -> Result<Vec<usize>>
 
 /// Combines rows element by element.
 #[inline(always)]
-fn add<T: Copy, S, const N: usize>(rows: [&[T]; N], out: &mut [S], sum: impl Fn([T; N]) -> S) {
+fn add<T: Element, const N: usize>(
+    mut rows: [&[T]; N],
+    out: &mut [T::Sum],
+    sum: impl Fn([T::Sum; N]) -> T::Sum,
+) {
     let n = rows[0].len().min(out.len());
-    let rows = rows.map(|row| &row[..n]);
+    for row in &mut rows {
+        *row = &row[..n];
+    }
     for (i, out) in out[..n].iter_mut().enumerate() {
-        *out = sum(rows.map(|row| row[i]));
+        // Not by `map`: it is a call of its own for every element here.
+        let mut taps = [T::Sum::default(); N];
+        for (tap, row) in taps.iter_mut().zip(&rows) {
+            *tap = row[i].wide();
+        }
+        *out = sum(taps);
     }
 }
 
@@ -260,7 +271,7 @@ fn smooth<T: Element>(sums: &[T::Sum], channels: usize, out: &mut [T]) {
     let n = out.len();
     let at: [&[T::Sum]; 5] = std::array::from_fn(|k| &sums[k * channels..][..n]);
     for (i, out) in out.iter_mut().enumerate() {
-        *out = T::narrow::<8>(T::five(at.map(|row| row[i])));
+        *out = T::narrow::<8>(T::five([at[0][i], at[1][i], at[2][i], at[3][i], at[4][i]]));
     }
 }
 
