@@ -81,6 +81,8 @@ def unwrap(
         raise ValueError(f"method: got {method!r}, expected one of {', '.join(map(repr, _METHODS))}")
     if len(mesh.faces) == 0:
         raise ValueError("mesh: got a mesh without faces, expected at least one")
+    if not (plane_corners(mesh.positions.astype(np.float64), mesh.faces.astype(np.int64))[:, 2, 1] > 0).any():
+        raise ValueError("mesh: got no face with an area, expected at least one")
     if method == "xatlas":
         vertex, faces, uv = _atlas(mesh, side, gap)
     else:
@@ -126,10 +128,10 @@ def _atlas(mesh: Mesh, side: int, gap: int) -> Charts:
     label = np.zeros(len(mesh.faces), np.int64)
     vertices: list[NDArray[np.int64]] = []
     places: list[NDArray[np.float64]] = []
-    count, charts, todo = 0, 0, [np.arange(len(mesh.faces))]
+    count, charts, pending = 0, 0, [np.arange(len(mesh.faces))]
     for round in range(_TRIES):
-        vertex, corners, uv = _cut(xatlas, mesh, todo)
-        own = np.concatenate(todo)
+        vertex, corners, uv = _cut(xatlas, mesh, pending)
+        own = np.concatenate(pending)
         _, chart = np.unique(components(corners, len(corners)), return_inverse=True)
         faces[own], label[own] = corners + count, chart + charts
         vertices.append(vertex)
@@ -140,12 +142,12 @@ def _atlas(mesh: Mesh, side: int, gap: int) -> Charts:
         # Charts that lie on themselves are made of pieces; the others stay as they are.
         flat = uv / max(float(uv.max()), 1e-300)
         shared = _multum.uv_layout(flat, corners, (side, side), 8)[2]
-        todo = [
+        pending = [
             part
             for bad in np.unique(chart[shared])
             for part in _parts(mesh, own[chart == bad], own[shared[chart[shared] == bad]])
         ]
-        if not todo:
+        if not pending:
             break
     used, faces = np.unique(faces, return_inverse=True)
     _, label = np.unique(label, return_inverse=True)

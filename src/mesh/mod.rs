@@ -21,6 +21,8 @@ mod scene;
 mod simplify;
 #[cfg(feature = "mesh")]
 mod tangent;
+#[cfg(feature = "simplify")]
+mod unfold;
 #[cfg(feature = "mesh")]
 mod uri;
 

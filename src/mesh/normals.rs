@@ -33,15 +33,15 @@ impl Normals {
     }
 }
 
-fn minus(a: [f32; 3], b: [f32; 3]) -> [f64; 3] {
+pub(super) fn minus(a: [f32; 3], b: [f32; 3]) -> [f64; 3] {
     std::array::from_fn(|k| f64::from(a[k]) - f64::from(b[k]))
 }
 
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 

@@ -3,10 +3,12 @@
 //! Garland and Heckbert, "Surface simplification using quadric error metrics" and "Simplifying surfaces with
 //! color and texture using quadric error metrics", 1997 and 1998. Edges collapse onto one of their ends, so the
 //! vertices that stay are vertices that were there, with their texture coordinates and colours. Where texture
-//! coordinates, colours or materials part, both sides collapse alike: cuts stay cuts, and nothing tears.
+//! coordinates, colours or materials part, both sides collapse alike: cuts stay cuts, and nothing tears. Folds are
+//! then taken out by swapping edges.
 
 use super::Mesh;
-use super::normals::Normals;
+use super::normals::{Normals, smooth_normals};
+use super::unfold::{Vertices, unfold};
 use crate::error::{Error, Result};
 use meshopt::{SimplifyOptions, simplify_with_attributes_and_locks_decoder};
 use std::collections::HashMap;
@@ -75,7 +77,16 @@ impl Mesh {
         if kept.is_empty() {
             return Err(Error::value("ratio", ratio, "a number that leaves a face"));
         }
-        self.part_of(&shared, kept.as_chunks().0)
+        let mut kept = kept.as_chunks().0.to_vec();
+        let normals = smooth_normals(&self.positions, &self.faces)?;
+        let uv: Option<Vec<_>> = self.uv.first().map(|set| shared.vertices.iter().map(|&v| set[v]).collect());
+        let vertices = Vertices {
+            positions: &positions,
+            normals: &shared.places.iter().map(|&v| normals[v]).collect::<Vec<_>>(),
+            uv: uv.as_deref(),
+        };
+        unfold(&vertices, &mut kept);
+        self.part_of(&shared, &kept)
     }
 
     /// What else than places is to be kept, as numbers a vertex, and what each counts.

@@ -131,6 +131,8 @@ def test_charts_without_room_are_told() -> None:
     squares = mt.Mesh.join(quad(float(z)) for z in range(64))
     with pytest.warns(mt.bake.BakeWarning, match=r"64 charts with 8 texels between them use \d\.\d %"):
         squares.unwrap(96)
+    with pytest.raises(ValueError, match="mesh: got no face with an area"):
+        mt.Mesh.build(np.zeros((3, 3)), [[0, 1, 2]]).unwrap(64)
     with pytest.raises(ValueError, match="64 charts do not fit"):
         squares.unwrap(32)
 
@@ -204,6 +206,14 @@ def test_simplifying_keeps_the_shape() -> None:
         with pytest.raises(ValueError, match="ratio"):
             high.simplify(ratio)
     assert len(high.simplify(1.0).faces) == len(high.faces)
+
+
+def test_no_face_of_a_simplified_mesh_lies_on_its_back() -> None:
+    for bump, ratio in ((0.1, 0.1), (0.1, 0.01), (0.3, 0.1)):
+        low = ball(100, bump).simplify(ratio)
+        corners = low.positions[low.faces].astype(np.float64)
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        assert ((normals * low.normals[low.faces].sum(axis=1)).sum(axis=1) > 0).all()
 
 
 def test_simplifying_heals_cracks_of_rounding() -> None:
