@@ -141,7 +141,7 @@ def test_the_default_is_about_as_good_as_it_aims_to_be() -> None:
 
 @pytest.mark.parametrize("filter", ["area", "exact"])
 def test_bent_pixels_have_their_own_shape(filter: str) -> None:
-    """A floor to the horizon by its matrix, by its map, and by Jacobians alone, against the integral over the pixels."""
+    """A floor to the horizon by its matrix, by its map, and by Jacobians alone, against the integral."""
     y, x = np.mgrid[:256, :512]
     image = np.float32((x // 4 + y // 4) & 1)
     side, horizon = 64, 3.0
