@@ -10,7 +10,7 @@ use super::source::{NOWHERE, One, Source};
 use super::{Form, Target};
 use crate::encode::{Format, encode};
 use crate::error::Result;
-use crate::filter::Query;
+use crate::filter::{Filter, Query};
 use crate::image::Element;
 use crate::mapping::Tangents;
 use crate::num::Real;
@@ -97,7 +97,11 @@ impl Rest<'_> {
         // A pixel within a texel is one look-up: there is nothing in it to average.
         let most = (found.1.jacobian_tx.axes().sigma1 - SLACK).ceil().max(1.0) as usize;
         let reach = |dd: Tangents| dd[0].length().max(dd[1].length());
-        let count = middle.map_or(1, |(d, dd)| {
+        let point = matches!(
+            self.options.sampler.filter,
+            Filter::Nearest | Filter::Bilinear | Filter::Bicubic | Filter::Mitchell
+        );
+        let count = middle.filter(|_| !point).map_or(1, |(d, dd)| {
             let bent = self.bent(i, d, dd, reach(dd));
             self.form.parts(d, reach(dd)).max(bent).min(most)
         });
@@ -121,8 +125,8 @@ impl Rest<'_> {
         match (off(0.0), off(1.0)) {
             // In parts of 1/k the map is straighter by k squared.
             (Some(a), Some(b)) => (a.max(b) / STRAIGHT).sqrt().ceil().clamp(1.0, MOST_BENT) as usize,
-            // The picture ends within the pixel.
-            _ => MOST_BENT as usize,
+            // The picture ends within the pixel: parts beyond its rim would bring in the border colour.
+            _ => 1,
         }
     }
 
