@@ -56,9 +56,10 @@ class Timed:
 
 def compare(case: Case) -> None:
     """Ends everything where results differ."""
-    theirs, ours = (np.asarray(work(), np.float64) for work in (case.theirs, case.ours))
+    results = [work() for work in (case.theirs, case.ours)]
     if np.isinf(case.most):
         return
+    theirs, ours = (np.asarray(result, np.float64) for result in results)
     difference = np.abs(theirs.reshape(ours.shape) - ours)
     share = float((difference > case.most).mean())
     if share > 1e-4:

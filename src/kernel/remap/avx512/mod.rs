@@ -3,7 +3,7 @@
 //! Bilinear, bytes and single channels: the texels of a pixel come by one scalar load a row and are inserted
 //! into vectors; arithmetic has one vector a channel. Bilinear, other formats: two pixels a vector down the columns,
 //! four along the rows. Wider kernels: one pixel at a time, four taps of up to four channels in a vector.
-//! Gathers were 10 to 40 % slower, buffers of texels on the stack 5 to 10 %, stores past the caches 5 to 20 %.
+//! Gathers were 10 to 40 % slower, buffers of texels on the stack 5 to 10 %, stores past the caches 1 to 14 %.
 
 use super::block::{self, Frame, Kernel, MOST, Set, Slot};
 use super::copy::Copy;
