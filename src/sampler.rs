@@ -3,8 +3,8 @@
 use crate::encode::{Encoding, Format, encode};
 use crate::error::{Error, Result};
 use crate::filter::{
-    BLOCK, Block, Cubic, Filter, Probes, Query, Reader, Samples, anisotropic, bicubic, bicubic_gradient,
-    bilinear, bilinear_gradient,
+    BLOCK, Block, Cubic, Filter, Probes, Query, Reader, Samples, Scratch, anisotropic, bicubic,
+    bicubic_gradient, bilinear, bilinear_gradient,
 };
 use crate::filter::{Effort, area, auto, auto_within, bounded, effort, ewa, exact, is_smooth};
 use crate::filter::{mipmap, nearest, sat, stochastic};
@@ -558,12 +558,12 @@ impl Sampler {
         r: &'r Reader<'_, T, D>,
     ) -> impl FnMut(&dyn Fill, usize, &mut [[T::Real; 4]]) + use<'r, '_, T, D> {
         let sampler = *self;
-        let mut samples = Samples::NONE;
+        let (mut samples, mut scratch) = (Samples::NONE, Scratch::NEW);
         let mut queries = [(Query::NOWHERE, None); BLOCK];
         move |places, first, out| {
             if Probes::has(sampler.filter) && T::DTYPE != DType::F64 {
                 places.fill_samples(r.isa, first, out.len(), &mut samples);
-                sampler.probes(r, &samples, out);
+                sampler.probes(r, &samples, &mut scratch, out);
             } else {
                 let queries = &mut queries[..out.len()];
                 places.fill(first, queries);
@@ -579,11 +579,12 @@ impl Sampler {
         &self,
         reader: &Reader<'_, T, D>,
         samples: &Samples,
+        scratch: &mut Scratch,
         out: &mut [[T::Real; 4]],
     ) {
         let Self { filter, max_anisotropy, lod_bias, lod_rule, .. } = *self;
         let probes = Probes { filter, max_anisotropy, lod_bias, lod_rule };
-        with_lanes(reader.isa, Block { probes, reader, samples, out });
+        with_lanes(reader.isa, Block { probes, reader, samples, scratch, out });
     }
 
     /// Samples not yet finished, one after the other.

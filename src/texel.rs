@@ -56,21 +56,6 @@ impl DType {
     }
 }
 
-/// Stored numbers of any type.
-#[derive(Clone, Copy, Debug)]
-pub enum Codes<'a> {
-    /// Bytes.
-    U8(&'a [u8]),
-    /// Words.
-    U16(&'a [u16]),
-    /// Half floats.
-    F16(&'a [f16]),
-    /// Singles.
-    F32(&'a [f32]),
-    /// Doubles.
-    F64(&'a [f64]),
-}
-
 /// One stored number of a texture.
 pub trait Texel: Copy + Default + PartialEq + Send + Sync + 'static {
     /// What values are computed in: `f64` for `f64`, else `f32`.
@@ -94,8 +79,6 @@ pub trait Texel: Copy + Default + PartialEq + Send + Sync + 'static {
     fn index(self) -> usize;
     /// Eight codes as singles.
     fn lanes<L: Lanes>(codes: &[Self; 8]) -> L;
-    /// Numbers of this type as numbers of any type.
-    fn codes(data: &[Self]) -> Codes<'_>;
 }
 
 macro_rules! integer_texel {
@@ -106,9 +89,6 @@ macro_rules! integer_texel {
             #[inline(always)]
             fn lanes<L: Lanes>(codes: &[Self; 8]) -> L {
                 L::$load(codes)
-            }
-            fn codes(data: &[Self]) -> Codes<'_> {
-                Codes::$variant(data)
             }
             #[inline(always)]
             fn index(self) -> usize {
@@ -155,9 +135,6 @@ macro_rules! float_texel {
             #[inline(always)]
             fn lanes<L: Lanes>(codes: &[Self; 8]) -> L {
                 L::load(&codes.map(Texel::to_f32))
-            }
-            fn codes(data: &[Self]) -> Codes<'_> {
-                Codes::$variant(data)
             }
             #[inline(always)]
             fn index(self) -> usize {

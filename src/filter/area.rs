@@ -128,7 +128,7 @@ fn hard<T: Texel, D: Decode<T>>(
     let centre = [place.near(0, extent[0]), place.near(1, extent[1])];
     let slabs = Slabs::parallelogram(lifted(place.jacobian)).parts;
     let footprint = Spans { centre, slabs: &slabs };
-    rows_mean(r, level, centre, extent, |rows| window::spans(r.isa, &footprint, rows))
+    rows_mean(r, level, centre, |texels| window::spans(r.isa, &footprint, texels))
 }
 
 /// The mean by soft weights.
@@ -150,7 +150,7 @@ fn soft<T: Texel, D: Decode<T>>(
     if T::DTYPE == DType::F64 {
         return soft_in_doubles(r, level, &footprint);
     }
-    rows_mean(r, level, centre, extent, |rows| window::soft(r.isa, &footprint, rows))
+    rows_mean(r, level, centre, |texels| window::soft(r.isa, &footprint, texels))
 }
 
 /// [`window::soft`] for textures whose results are doubles.

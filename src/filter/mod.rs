@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::footprint::Bend;
 use crate::jacobian::Jacobian;
 use crate::kernel::Isa;
+use crate::kernel::lanes::Lanes;
 use crate::num::Real;
 use crate::texel::Texel;
 use crate::texture::{Decode, Layers};
@@ -36,7 +37,7 @@ pub(crate) use ewa::ewa;
 pub(crate) use exact::exact;
 pub(crate) use mipmap::mipmap;
 pub(crate) use nearest::nearest;
-pub(crate) use probes::{BLOCK, Block, Probes, Samples};
+pub(crate) use probes::{BLOCK, Block, Probes, Samples, Scratch};
 pub(crate) use sat::sat;
 pub(crate) use stochastic::stochastic;
 
@@ -280,6 +281,17 @@ impl<'a, T: Texel, D: Decode<T>> Reader<'a, T, D> {
             self.tap(level, x, y + 1),
             self.tap(level, x + 1, y + 1),
         ]
+    }
+
+    /// The texels of a level that begin at `at` and one texel further, decoded.
+    #[inline(always)]
+    fn pair<L: Lanes>(&self, level: usize, at: usize) -> L {
+        let plane = &self.layers.planes[level];
+        // Lanes, not codes, are what the two ways have in common: codes would be carried one by one.
+        match plane.packed_pair(at) {
+            Some(codes) => self.decode.pair(codes),
+            None => self.decode.pair(&plane.pair(at)),
+        }
     }
 
     /// An average as a result.

@@ -20,7 +20,7 @@ pub(crate) const BLOCK: usize = 64;
 
 /// Longest half line, in texels, whose places singles hold well enough.
 const NEAR: f64 = 256.0;
-/// Longest row, in elements, that 32 bits can step over, and coordinates that singles can wrap.
+/// Coordinates that singles can wrap.
 const FAR: i32 = 1 << 20;
 
 /// How the texels of a block are found.
@@ -60,6 +60,7 @@ pub(crate) struct Block<'a, T: Texel, D> {
     pub probes: Probes,
     pub reader: &'a Reader<'a, T, D>,
     pub samples: &'a Samples,
+    pub scratch: &'a mut Scratch,
     pub out: &'a mut [[T::Real; 4]],
 }
 
@@ -68,18 +69,16 @@ impl<T: Texel, D: Decode<T>> LaneWork for Block<'_, T, D> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { probes, reader, samples, out } = self;
-        let mut levels = Levels { level: [0; BLOCK], fraction: [0.0; BLOCK], lines: Lines::POINTS };
-        probes.find(samples, reader.last_level(), out.len(), &mut levels);
-        let fine = reader.places(samples, &levels.level);
-        let coarse = if probes.blends() {
+        let Self { probes, reader, samples, scratch, out } = self;
+        let Scratch { levels, fine, coarse } = scratch;
+        probes.find(samples, reader.last_level(), out.len(), levels);
+        reader.places(samples, &levels.level, fine);
+        if probes.blends() {
             let last = reader.last_level() as i32;
             let mut next = levels.level;
             next.iter_mut().for_each(|level| *level = last.min(*level + 1));
-            reader.places(samples, &next)
-        } else {
-            fine
-        };
+            reader.places(samples, &next, coarse);
+        }
         for (i, out) in out.iter_mut().enumerate().take(BLOCK) {
             let (level, fraction) = (levels.level[i] as usize, levels.fraction[i]);
             let value = if !(samples.s[i].is_finite() && samples.t[i].is_finite()) {
@@ -89,16 +88,32 @@ impl<T: Texel, D: Decode<T>> LaneWork for Block<'_, T, D> {
                 let line = levels.lines.at(i);
                 reader.line::<L>([samples.s[i], samples.t[i]], level, fraction, &line)
             } else {
-                let near = blended(reader.column::<L>(level, &fine, i));
+                let near = blended(reader.column::<L>(level, fine, i));
                 if fraction == 0.0 {
                     near
                 } else {
-                    lerp4(near, blended(reader.column::<L>(level + 1, &coarse, i)), fraction)
+                    lerp4(near, blended(reader.column::<L>(level + 1, coarse, i)), fraction)
                 }
             };
             *out = [value[0], value[1], value[2], value[3]].map(|x| T::Real::from_f64(x.into()));
         }
     }
+}
+
+/// What is found of a block before it is read; may be used again for the next one with the same filter.
+pub(crate) struct Scratch {
+    levels: Levels,
+    fine: Spots,
+    coarse: Spots,
+}
+
+impl Scratch {
+    /// Nothing yet.
+    pub const NEW: Self = Self {
+        levels: Levels { level: [0; BLOCK], fraction: [0.0; BLOCK], lines: Lines::POINTS },
+        fine: Spots::NONE,
+        coarse: Spots::NONE,
+    };
 }
 
 /// Levels and lines of a block.
@@ -161,12 +176,15 @@ impl Probes {
 }
 
 /// Where the probes of a block stand on their levels: the texel left of and above each, and how far it is from there.
-#[derive(Clone, Copy)]
 struct Spots {
     x: [i32; BLOCK],
     y: [i32; BLOCK],
     fx: [f32; BLOCK],
     fy: [f32; BLOCK],
+}
+
+impl Spots {
+    const NONE: Self = Self { x: [0; BLOCK], y: [0; BLOCK], fx: [0.0; BLOCK], fy: [0.0; BLOCK] };
 }
 
 /// A probe's column blended by the height, the left neighbour in the first half, and the fraction of the way to the right one.
@@ -179,9 +197,8 @@ struct Column<L> {
 impl<T: Texel, D: Decode<T>> Reader<'_, T, D> {
     /// Brings a block to its levels.
     #[inline(always)]
-    fn places(&self, samples: &Samples, level: &[i32; BLOCK]) -> Spots {
+    fn places(&self, samples: &Samples, level: &[i32; BLOCK], spots: &mut Spots) {
         let base = &self.layers.planes[0];
-        let mut spots = Spots { x: [0; BLOCK], y: [0; BLOCK], fx: [0.0; BLOCK], fy: [0.0; BLOCK] };
         let mut scale = [[0.0; BLOCK]; 2];
         let mut size = [[0.0; BLOCK]; 2];
         for i in 0..BLOCK {
@@ -193,7 +210,6 @@ impl<T: Texel, D: Decode<T>> Reader<'_, T, D> {
         let [wu, wv] = self.layers.wrap;
         along(wu, base.width, &samples.s, &scale[0], &size[0], &mut spots.x, &mut spots.fx);
         along(wv, base.height, &samples.t, &scale[1], &size[1], &mut spots.y, &mut spots.fy);
-        spots
     }
 
     /// Probe `i` of a block.
@@ -217,9 +233,8 @@ impl<T: Texel, D: Decode<T>> Reader<'_, T, D> {
     /// Two neighbours from `at` on, blended with those of the next row.
     #[inline(always)]
     fn rows<L: Lanes>(&self, level: usize, at: usize, fraction: f32) -> L {
-        let plane = &self.layers.planes[level];
-        let above = self.decode.pair::<L>(plane.pair(at));
-        let below = self.decode.pair::<L>(plane.pair(at + plane.row));
+        let above = self.pair::<L>(level, at);
+        let below = self.pair::<L>(level, at + self.layers.planes[level].row);
         above.add(L::splat(fraction).mul(below.sub(above)))
     }
 
@@ -269,7 +284,7 @@ impl<T: Texel, D: Decode<T>> Reader<'_, T, D> {
         if let [Some(fold_x), Some(fold_y)] = folds
             && reach[0] < NEAR
             && reach[1] < NEAR
-            && plane.row < FAR as usize
+            && plane.data.len() < i32::MAX as usize
         {
             let (i, j) = (floor(x), floor(y));
             let places = Places {
@@ -288,7 +303,7 @@ impl<T: Texel, D: Decode<T>> Reader<'_, T, D> {
             while first < count {
                 let eight = places.eight(first as f32 - line.half);
                 for k in 0..(count - first).min(8) {
-                    let at = plane.origin.wrapping_add_signed(eight.offset[k]);
+                    let at = plane.origin.wrapping_add_signed(eight.offset[k] as isize);
                     let value = self.rows::<L>(level, at, eight.fraction[k]).sub(reference);
                     sum = sum.add(value.mul(L::halves(eight.left[k], eight.right[k])));
                 }
@@ -434,7 +449,7 @@ struct Places {
 /// Eight probes of a line.
 struct Eight {
     /// Elements from texel (0, 0) to that left of and above the probe.
-    offset: [isize; 8],
+    offset: [i32; 8],
     /// How far the probe is below that texel.
     fraction: [f32; 8],
     /// Weights of the left and right column.
@@ -463,8 +478,7 @@ impl Places {
             right[k] = weight * fx[k];
             left[k] = weight - right[k];
         }
-        let offset =
-            std::array::from_fn(|k| row[k] as isize * self.row as isize + (column[k] * self.lanes) as isize);
+        let offset = std::array::from_fn(|k| row[k] * self.row + column[k] * self.lanes);
         Eight { offset, fraction: fy, left, right }
     }
 }

@@ -3,10 +3,10 @@
 use super::rows::{Bounds, Weights};
 use super::{Query, Reader};
 use crate::jacobian::Jacobian;
-use crate::kernel::plane::Plane;
-use crate::kernel::window::{Grid, Rows};
+use crate::kernel::lanes::Lanes;
+use crate::kernel::window::{CHUNK, Source};
 use crate::num::{Real, floor};
-use crate::texel::{Codes, Texel};
+use crate::texel::{DType, Texel};
 use crate::texture::Decode;
 use crate::wrap::{Wrap, modulo};
 
@@ -76,59 +76,80 @@ fn bounds(wrap: Wrap, n: f64) -> Bounds {
     Bounds { first, last }
 }
 
-/// Calls `mean` with the texels around a place, as far as `extent` to each side, and a reference that their differences
-/// are taken from; adds that to the result.
+/// Calls `mean` with the texels around a place, less a reference; adds that to the result.
 #[inline(always)]
-pub(super) fn rows_mean<T: Texel, D: Decode<T>>(
-    r: &Reader<'_, T, D>,
+pub(super) fn rows_mean<'r, 'l, T: Texel, D: Decode<T>>(
+    r: &'r Reader<'l, T, D>,
     level: usize,
     centre: [f64; 2],
-    extent: [f64; 2],
-    mean: impl FnOnce(Rows<'_, '_>) -> [f32; 4],
+    mean: impl FnOnce(Around<'r, 'l, T, D>) -> [f32; 4],
 ) -> [T::Real; 4] {
-    let plane = &r.layers.planes[level];
     let reference = reference(r, level, centre);
-    let [x, y] = [0, 1].map(|k| (floor(centre[k] - extent[k]), floor(centre[k] + extent[k]) + 1));
-    let inside = x.0 >= plane.columns.0.into()
-        && x.1 <= plane.columns.1.into()
-        && y.0 >= plane.rows.0.into()
-        && y.1 <= plane.rows.1.into();
-    let difference =
-        if let Some(rows) = inside.then(|| in_place::<T, D>(plane, reference, x.1, y.1)).flatten() {
-            mean(rows)
-        } else {
-            let mut fetch = |row: i64, first: i64, texels: &mut [f32; 32]| {
-                for (x, texel) in (first..).zip(texels.chunks_exact_mut(4)) {
-                    let values = r.tap(level, x as i32, row as i32);
-                    for ((slot, value), reference) in texel.iter_mut().zip(values).zip(reference) {
-                        *slot = (value - reference).to_f64() as f32;
-                    }
-                }
-            };
-            mean(Rows::Fetch(&mut fetch))
-        };
+    let difference = mean(Around { r, level, reference: reference.map(|x| x.to_f64() as f32) });
     std::array::from_fn(|c| reference[c] + T::Real::from_f64(f64::from(difference[c])))
 }
 
-/// Four-channel texels where they stand, if their codes are what is averaged and eight texels from (x, y) on may be read.
-#[inline(always)]
-fn in_place<'a, T: Texel, D: Decode<T>>(
-    plane: &Plane<'a, T>,
-    reference: [T::Real; 4],
-    x: i64,
-    y: i64,
-) -> Option<Rows<'a, 'a>> {
-    let end = plane.origin as i64 + y * plane.row as i64 + 4 * (x + 8);
-    if !D::PLAIN || plane.lanes != 4 || end as usize > plane.data.len() {
-        return None;
+/// The texels of a level, less a reference.
+pub(super) struct Around<'r, 'l, T: Texel, D> {
+    r: &'r Reader<'l, T, D>,
+    level: usize,
+    reference: [f32; 4],
+}
+
+impl<T: Texel, D: Decode<T>> Source for Around<'_, '_, T, D> {
+    const FLOAT: bool = matches!(T::DTYPE, DType::F16 | DType::F32 | DType::F64);
+
+    #[inline(always)]
+    fn chunk<L: Lanes>(&mut self, row: i64, first: i64) -> [L; 4] {
+        let plane = &self.r.layers.planes[self.level];
+        let [a, b, c, d] = self.reference;
+        let reference = L::load(&[a, b, c, d, a, b, c, d]);
+        let (x, y) = (first as i32, row as i32);
+        if !plane.covers(x, y, x + CHUNK as i32 - 1, y) {
+            let texels = self.across(x, y);
+            let ([a, b, c, d], _) = texels.as_chunks::<8>() else { unreachable!() };
+            return [L::load(a), L::load(b), L::load(c), L::load(d)];
+        }
+        let (at, step) = (plane.at(x, y), 2 * plane.lanes);
+        let level = self.level;
+        [
+            self.r.pair::<L>(level, at).sub(reference),
+            self.r.pair::<L>(level, at + step).sub(reference),
+            self.r.pair::<L>(level, at + 2 * step).sub(reference),
+            self.r.pair::<L>(level, at + 3 * step).sub(reference),
+        ]
     }
-    let reference = reference.map(|c| c.to_f64() as f32);
-    let (origin, row) = (plane.origin, plane.row);
-    match T::codes(plane.data) {
-        Codes::U8(data) => Some(Rows::U8(Grid { data, origin, row, reference })),
-        Codes::U16(data) => Some(Rows::U16(Grid { data, origin, row, reference })),
-        Codes::F32(data) => Some(Rows::F32(Grid { data, origin, row, reference })),
-        Codes::F16(_) | Codes::F64(_) => None,
+}
+
+impl<T: Texel, D: Decode<T>> Around<'_, '_, T, D> {
+    /// A chunk that is not wholly in the picture or its apron.
+    #[inline(never)]
+    fn across(&self, x: i32, y: i32) -> [f32; 4 * CHUNK] {
+        let plane = &self.r.layers.planes[self.level];
+        let [wu, wv] = self.r.layers.wrap;
+        let row = if (plane.rows.0..=plane.rows.1).contains(&y) {
+            Some(y)
+        } else {
+            wv.index(y.into(), plane.height.into()).map(|y| y as i32)
+        };
+        let column = |x: i32| {
+            if (plane.columns.0..=plane.columns.1).contains(&x) {
+                Some(x)
+            } else {
+                wu.index(x.into(), plane.width.into()).map(|x| x as i32)
+            }
+        };
+        let mut texels = [0.0; 4 * CHUNK];
+        for (x, texel) in (x..).zip(texels.chunks_exact_mut(4)) {
+            let values = match (column(x), row) {
+                (Some(x), Some(y)) => self.r.decode.texel(plane.texel(x, y)),
+                _ => self.r.outside(),
+            };
+            for ((slot, value), reference) in texel.iter_mut().zip(values).zip(self.reference) {
+                *slot = value.to_f64() as f32 - reference;
+            }
+        }
+        texels
     }
 }
 

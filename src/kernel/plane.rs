@@ -65,14 +65,16 @@ impl<T: Copy + Default> Plane<'_, T> {
         (self.origin as isize + y as isize * self.row as isize + x as isize * self.lanes as isize) as usize
     }
 
+    /// The texels that begin at `at` and one texel further, where they are eight elements in a row.
+    #[inline(always)]
+    pub fn packed_pair(&self, at: usize) -> Option<&[T; 8]> {
+        if self.lanes == 4 { self.data[at..at + 8].try_into().ok() } else { None }
+    }
+
     /// The channels of the texels that begin at `at` and one texel further, four each, the rest filled with zero codes.
     #[inline(always)]
     pub fn pair(&self, at: usize) -> [T; 8] {
         let zero = T::default();
-        if self.lanes == 4 {
-            let t = &self.data[at..at + 8];
-            return [t[0], t[1], t[2], t[3], t[4], t[5], t[6], t[7]];
-        }
         if self.lanes == 1 {
             let t = &self.data[at..at + 2];
             return [t[0], zero, zero, zero, t[1], zero, zero, zero];

@@ -85,8 +85,8 @@ pub(crate) trait Decode<T: Texel>: Copy + Sync {
     fn texel(&self, codes: [T; 4]) -> [T::Real; 4];
     /// Two texels' codes as singles to average.
     #[inline(always)]
-    fn pair<L: Lanes>(&self, codes: [T; 8]) -> L {
-        let [a, b, c, d, e, f, g, h] = codes;
+    fn pair<L: Lanes>(&self, codes: &[T; 8]) -> L {
+        let [a, b, c, d, e, f, g, h] = *codes;
         let ([a, b, c, d], [e, f, g, h]) = (self.texel([a, b, c, d]), self.texel([e, f, g, h]));
         L::load(&[a, b, c, d, e, f, g, h].map(|x| x.to_f64() as f32))
     }
@@ -117,8 +117,8 @@ impl<T: Texel> Decode<T> for Plain {
     }
 
     #[inline(always)]
-    fn pair<L: Lanes>(&self, codes: [T; 8]) -> L {
-        T::lanes(&codes)
+    fn pair<L: Lanes>(&self, codes: &[T; 8]) -> L {
+        T::lanes(codes)
     }
 
     fn outside(&self, value: [f64; 4]) -> [T::Real; 4] {

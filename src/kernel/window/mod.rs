@@ -1,7 +1,7 @@
 //! Weighted means of the texels under a footprint, eight at a time.
 //!
 //! [`soft`] weighs by the distance from the footprint's sides, [`spans`] by integrals along rows. Both read rows of
-//! four-channel texels, in place or through a closure, and sum differences from a reference texel, so that equal
+//! four-channel texels from a [`Source`] and sum differences from a reference texel, so that equal
 //! texels give exactly their value.
 
 mod soft;
@@ -10,108 +10,20 @@ mod spans;
 mod tests;
 
 use super::Isa;
-#[cfg(target_arch = "x86_64")]
-use super::lanes::Avx2;
-use super::lanes::{Lanes, Portable};
+use super::lanes::{LaneWork, Lanes, with_lanes};
 pub use soft::{Soft, Strip};
 pub use spans::{LONGEST, Slab, Spans};
 
 /// Texels that are weighed at once.
 pub const CHUNK: usize = 8;
 
-/// Fills in 8 texels of 4 channels from a row (first argument) and a column (second) on.
-pub type Fetch<'a> = dyn FnMut(i64, i64, &mut [f32; 4 * CHUNK]) + 'a;
-
-/// Rows of four-channel texels around a footprint.
-pub enum Rows<'a, 'f> {
-    /// Bytes in place.
-    U8(Grid<'a, u8>),
-    /// Words in place.
-    U16(Grid<'a, u16>),
-    /// Singles in place.
-    F32(Grid<'a, f32>),
-    /// Any texels, as differences from the reference.
-    Fetch(&'f mut Fetch<'f>),
-}
-
-/// Texels in place, four elements each: texel (x, y) begins at `origin + y row + 4 x`.
-#[derive(Clone, Copy)]
-pub struct Grid<'a, E> {
-    /// The elements.
-    pub data: &'a [E],
-    /// Index of texel (0, 0).
-    pub origin: usize,
-    /// Elements from one row to the next.
-    pub row: usize,
-    /// What is subtracted from every texel.
-    pub reference: [f32; 4],
-}
-
-/// An element that lanes can be loaded from.
-trait Load: Copy {
-    /// Whether an element may be infinite or no number.
+/// Where texels come from: four channels each, less a reference.
+pub trait Source {
+    /// Whether a texel may be infinite or no number.
     const FLOAT: bool;
-    fn load<L: Lanes>(from: &[Self; 8]) -> L;
-}
-
-impl Load for u8 {
-    const FLOAT: bool = false;
-    #[inline(always)]
-    fn load<L: Lanes>(from: &[Self; 8]) -> L {
-        L::load_u8(from)
-    }
-}
-
-impl Load for u16 {
-    const FLOAT: bool = false;
-    #[inline(always)]
-    fn load<L: Lanes>(from: &[Self; 8]) -> L {
-        L::load_u16(from)
-    }
-}
-
-impl Load for f32 {
-    const FLOAT: bool = true;
-    #[inline(always)]
-    fn load<L: Lanes>(from: &[Self; 8]) -> L {
-        L::load(from)
-    }
-}
-
-/// Where a chunk of texels comes from.
-trait Source {
-    const FLOAT: bool;
-    /// Texels (row, first) to (row, first + 7), two a value, less the reference.
+    /// Texels (first, row) to (first + 7, row), two a value. Those that have no weight may be anything. To be marked
+    /// `#[inline(always)]`.
     fn chunk<L: Lanes>(&mut self, row: i64, first: i64) -> [L; 4];
-}
-
-impl<E: Load> Source for Grid<'_, E> {
-    const FLOAT: bool = E::FLOAT;
-    #[inline(always)]
-    fn chunk<L: Lanes>(&mut self, row: i64, first: i64) -> [L; 4] {
-        let start = self.origin as isize + row as isize * self.row as isize + 4 * first as isize;
-        let texels: &[E] = &self.data[start as usize..start as usize + 4 * CHUNK];
-        let [a, b, c, d] = self.reference;
-        let reference = L::load(&[a, b, c, d, a, b, c, d]);
-        let ([a, b, c, d], _) = texels.as_chunks::<8>() else { unreachable!() };
-        [
-            E::load::<L>(a).sub(reference),
-            E::load::<L>(b).sub(reference),
-            E::load::<L>(c).sub(reference),
-            E::load::<L>(d).sub(reference),
-        ]
-    }
-}
-
-impl Source for &mut Fetch<'_> {
-    const FLOAT: bool = true;
-    #[inline(always)]
-    fn chunk<L: Lanes>(&mut self, row: i64, first: i64) -> [L; 4] {
-        let mut texels = [0.0; 4 * CHUNK];
-        self(row, first, &mut texels);
-        let ([a, b, c, d], _) = texels.as_chunks::<8>() else { unreachable!() };
-        [L::load(a), L::load(b), L::load(c), L::load(d)]
-    }
 }
 
 /// A weighted sum under construction. Texels at even places are summed in the first four lanes of both totals,
@@ -161,39 +73,23 @@ trait Mean {
     fn over<L: Lanes, S: Source>(&self, source: S) -> [f32; 4];
 }
 
-#[inline(always)]
-fn run<M: Mean, S: Source>(isa: Isa, mean: &M, source: S) -> [f32; 4] {
-    match isa {
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: a set other than `Scalar` is in use only where the machine has it, and both have AVX2.
-        Isa::Avx2 | Isa::Avx512 if isa.is_supported() => unsafe { with_avx2(mean, source) },
-        _ => mean.over::<Portable, S>(source),
-    }
-}
+/// A mean and what it is of.
+struct Of<'m, M, S>(&'m M, S);
 
-/// # Safety
-/// The machine must have AVX2.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-unsafe fn with_avx2<M: Mean, S: Source>(mean: &M, source: S) -> [f32; 4] {
-    mean.over::<Avx2, S>(source)
-}
-
-fn dispatch<M: Mean>(isa: Isa, mean: &M, rows: Rows<'_, '_>) -> [f32; 4] {
-    match rows {
-        Rows::U8(grid) => run(isa, mean, grid),
-        Rows::U16(grid) => run(isa, mean, grid),
-        Rows::F32(grid) => run(isa, mean, grid),
-        Rows::Fetch(fetch) => run(isa, mean, fetch),
+impl<M: Mean, S: Source> LaneWork for Of<'_, M, S> {
+    type Output = [f32; 4];
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> [f32; 4] {
+        self.0.over::<L, S>(self.1)
     }
 }
 
 /// The mean by soft weights, less the reference; see [`Soft`].
-pub fn soft(isa: Isa, footprint: &Soft, rows: Rows<'_, '_>) -> [f32; 4] {
-    dispatch(isa, footprint, rows)
+pub fn soft(isa: Isa, footprint: &Soft, texels: impl Source) -> [f32; 4] {
+    with_lanes(isa, Of(footprint, texels))
 }
 
 /// The mean by integrals along rows, less the reference; see [`Spans`].
-pub fn spans(isa: Isa, footprint: &Spans<'_>, rows: Rows<'_, '_>) -> [f32; 4] {
-    dispatch(isa, footprint, rows)
+pub fn spans(isa: Isa, footprint: &Spans<'_>, texels: impl Source) -> [f32; 4] {
+    with_lanes(isa, Of(footprint, texels))
 }

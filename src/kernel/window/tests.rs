@@ -32,20 +32,46 @@ impl Scene {
         }
     }
 
-    /// The result for each kind of rows, and what the first kind reads.
-    fn all(&self, mut mean: impl FnMut(Rows<'_, '_>) -> [f32; 4]) -> Vec<[f32; 4]> {
-        let reference = [3.0, 100.0, 7.0, 0.0];
-        let (origin, row) = (0, 4 * N);
-        let mut fetch = |row: i64, first: i64, texels: &mut [f32; 32]| {
-            let start = 4 * (row as usize * N + first as usize);
-            texels.copy_from_slice(&self.singles[start..start + 32]);
-        };
-        vec![
-            mean(Rows::U8(Grid { data: &self.bytes, origin, row, reference })),
-            mean(Rows::U16(Grid { data: &self.words, origin, row, reference })),
-            mean(Rows::F32(Grid { data: &self.singles, origin, row, reference })),
-            mean(Rows::Fetch(&mut fetch)),
-        ]
+    /// The result for each kind of texels.
+    fn all(&self, mean: impl Fn(Texels<'_>) -> [f32; 4]) -> Vec<[f32; 4]> {
+        let texels = |data| Texels { data, reference: [3.0, 100.0, 7.0, 0.0] };
+        [Data::Bytes(&self.bytes), Data::Words(&self.words), Data::Singles(&self.singles)]
+            .map(|data| mean(texels(data)))
+            .to_vec()
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Data<'a> {
+    Bytes(&'a [u8]),
+    Words(&'a [u16]),
+    Singles(&'a [f32]),
+}
+
+/// A picture of N x N texels of four channels.
+struct Texels<'a> {
+    data: Data<'a>,
+    reference: [f32; 4],
+}
+
+impl Source for Texels<'_> {
+    const FLOAT: bool = true;
+    #[inline(always)]
+    fn chunk<L: Lanes>(&mut self, row: i64, first: i64) -> [L; 4] {
+        let start = 4 * (row as usize * N + first as usize);
+        let [a, b, c, d] = self.reference;
+        let reference = L::load(&[a, b, c, d, a, b, c, d]);
+        let mut chunk = [reference; 4];
+        for (k, value) in chunk.iter_mut().enumerate() {
+            let part = start + 8 * k..start + 8 * k + 8;
+            let texels = match self.data {
+                Data::Bytes(data) => L::load_u8(data[part].try_into().expect("eight")),
+                Data::Words(data) => L::load_u16(data[part].try_into().expect("eight")),
+                Data::Singles(data) => L::load(data[part].try_into().expect("eight")),
+            };
+            *value = texels.sub(reference);
+        }
+        chunk
     }
 }
 
@@ -182,7 +208,7 @@ fn equal_texels_give_their_value_and_what_has_no_weight_does_not_count() {
     let f = Soft { centre: [40.0, 40.0], ..soft_footprint(&mut random, 1.0) };
     let f = Soft { extent: f.extent.map(|e| e.min(10.0)), ..f };
     for isa in Isa::available() {
-        let grid = Grid { data: &data, origin: 0, row: 4 * N, reference: [0.3; 4] };
-        assert_eq!(soft(isa, &f, Rows::F32(grid)), [0.0; 4]);
+        let texels = Texels { data: Data::Singles(&data), reference: [0.3; 4] };
+        assert_eq!(soft(isa, &f, texels), [0.0; 4]);
     }
 }
