@@ -7,7 +7,8 @@ use multum::par::with_threads;
 use multum::{Extent, Filter, Image, Sampler, Texture, TextureOptions, Wrap};
 use std::time::Instant;
 
-const SIDE: usize = 256;
+/// Few enough look-ups that a run is over before another program gets its turn.
+const SIDE: usize = 64;
 
 fn random(state: &mut u64) -> f64 {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -56,7 +57,7 @@ fn main() -> multum::Result<()> {
                     let (uv, jacobian) = places(size as f64, ratio, far);
                     let mut out = vec![0f32; SIDE * SIDE * channels];
                     let mut best = f64::MAX;
-                    for _ in 0..5 {
+                    for _ in 0..40 {
                         let start = Instant::now();
                         let extent = Extent::Jacobian(&jacobian);
                         with_threads(Some(1), || sampler.sample(&texture, &uv, extent, &mut out))?;
