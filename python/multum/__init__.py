@@ -1,14 +1,17 @@
 """Texture sampling and filtering on the CPU."""
 
 from . import bake, compat, light, mapping, panorama, reference, unwrap
+from ._camera import Camera
 from ._chart import chart
 from ._files import ImageInfo, image_info, read_image, write_image
-from ._mesh import Camera, Layer, Material, Mesh, MeshImage, Scene, TextureSlot, vertex_normals
+from ._material import Layer, Material, MeshImage, TextureSlot
+from ._mesh import Mesh, vertex_normals
 from ._multum import __version__
 from ._pyramid import build_pyramid
 from ._raster import Fragments, rasterize
 from ._render import TextureUse, render, right_size
 from ._sat import SummedAreaTable
+from ._scene import Scene
 from ._sphere import SphereTexture
 from ._survey import Survey
 from ._texture import Texture

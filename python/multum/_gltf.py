@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._files import write_image
-from ._mesh import Material, Mesh, MeshImage, TextureSlot
+from ._material import Material, MeshImage, TextureSlot
+from ._mesh import Mesh
 
 _WRAPS = {"repeat": 10497, "clamp": 33071, "mirror": 33648}
 _FILTERS = {

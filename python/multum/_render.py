@@ -9,7 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _multum
 from ._arguments import count, image_size, name, number
-from ._mesh import Camera, Layer, Material, Scene, TextureSlot
+from ._camera import Camera
+from ._material import Layer, Material, TextureSlot
+from ._scene import Scene
 from .light import Light, to_parts
 
 

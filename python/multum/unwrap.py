@@ -17,8 +17,10 @@ from numpy.typing import NDArray
 from . import _multum
 from ._arguments import count, name, side_or_size
 from ._flatten import arap, check_disk, lscm, plane_corners
-from ._mesh import Material, Mesh, Scene, TextureSlot
+from ._material import Material, TextureSlot
+from ._mesh import Mesh
 from ._raster import rasterize
+from ._scene import Scene
 from ._transfer import components, needed, sources, uv_faces
 from .bake import BakeWarning, check_mesh
 from .mapping import checkerboard as _checkerboard

@@ -11,7 +11,8 @@ import numpy as np
 
 from .. import bake
 from .._files import write_image
-from .._mesh import Mesh, MeshImage, TextureSlot
+from .._material import MeshImage, TextureSlot
+from .._mesh import Mesh
 from .progress import Progress
 
 if TYPE_CHECKING:
