@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _multum
-from ._arguments import image_size
+from ._arguments import image_size, number
 
 
 class Camera:
@@ -48,7 +48,12 @@ class Camera:
     ) -> None:
         places = [_place(name, v) for name, v in (("eye", eye), ("target", target), ("up", up))]
         self._native = _multum.Camera(
-            places[0], places[1], places[2], math.radians(fov), float(near), float(far)
+            places[0],
+            places[1],
+            places[2],
+            math.radians(number("fov", fov)),
+            number("near", near),
+            number("far", far),
         )
 
     @classmethod
@@ -85,7 +90,9 @@ class Camera:
         >>> mt.Camera((0, 1, 5)).turned(90).eye.round(6).tolist()
         [5.0, 1.0, 0.0]
         """
-        return Camera._of(self._native.turned(_place("center", center), math.radians(degrees)))
+        return Camera._of(
+            self._native.turned(_place("center", center), math.radians(number("degrees", degrees)))
+        )
 
     def project(self, points: ArrayLike, size: tuple[SupportsIndex, SupportsIndex]) -> NDArray[np.float64]:
         """Clip-space positions (..., 4) of points (..., 3): what :func:`rasterize` takes."""

@@ -1,133 +1,17 @@
-"""Meshes, materials, cameras, and the files that hold them."""
+"""Triangles with what textures need."""
 
-import math
 import os
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import Any, SupportsFloat, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _multum
-from ._arguments import finite_matrix, image_size, number
-from ._files import read_image
+from ._arguments import finite_matrix, number
+from ._material import Material, MeshImage, TextureSlot, moved
 from ._texture import Texture
-from .light import Light, from_parts
-
-_IDENTITY = np.array([[1, 0, 0], [0, 1, 0]], np.float32)
-
-
-@dataclass(frozen=True, eq=False)
-class TextureSlot:
-    """A texture of a material."""
-
-    image: int
-    """Index into :attr:`Mesh.images`."""
-    uv_set: int = 0
-    """Index into :attr:`Mesh.uv_sets`."""
-    transform: NDArray[np.float32] = field(default_factory=_IDENTITY.copy)
-    """(2, 3): the texture is read at ``transform[:, :2] @ uv + transform[:, 2]``."""
-    wrap: tuple[str, str] = ("repeat", "repeat")
-    """Wrap modes of u and v."""
-    mag_filter: str | None = None
-    """Filter for enlargement, where the file names one."""
-    min_filter: str | None = None
-    """Filter for reduction, where the file names one."""
-    encoding: str = "srgb"
-    """What the codes mean in this slot: ``"srgb"``, ``"linear"`` or ``"normal"``."""
-
-    def uv(
-        self, uv: ArrayLike, jacobian: ArrayLike | None = None
-    ) -> tuple[NDArray[np.floating], NDArray[np.floating] | None]:
-        """Texture coordinates (..., 2), and their Jacobian (..., 2, 2), after the slot's transform."""
-        linear, offset = self.transform[:, :2], self.transform[:, 2]
-        moved = np.asarray(uv) @ linear.T + offset
-        return moved, None if jacobian is None else linear @ np.asarray(jacobian)
-
-
-@dataclass(frozen=True, eq=False)
-class Layer:
-    """One more texture of a material.
-
-    With t and a for the texel's colour and alpha, c and b for those that are there, ``blend`` is ``"modulate"``
-    (c t, b a), ``"replace"`` (t, a), ``"decal"`` (c (1 - a) + t a, b) or ``"add"`` (c + t, b a).
-    """
-
-    texture: TextureSlot
-    blend: str = "modulate"
-    after_light: bool = False
-    """Whether it meets the lit colour rather than the base colour."""
-
-
-@dataclass(frozen=True, eq=False)
-class Material:
-    """A material: glTF's metallic-roughness model and MTL's Phong model side by side.
-
-    Each number is multiplied by the texture of its slot, where there is one; what a format does not have
-    keeps its default. Colours are linear. Materials do not change: :func:`dataclasses.replace` makes others.
-    """
-
-    name: str = ""
-    model: str = "phong"
-    """``"phong"`` (kd is ``base_color``, ka ``ambient * base_color``, ks ``specular``, p ``shininess``) or
-    ``"metallic_roughness"`` (all from ``base_color``, ``metallic`` and ``roughness``)."""
-    base_color: tuple[float, ...] = (1.0, 1.0, 1.0, 1.0)
-    metallic: float = 0.0
-    roughness: float = 1.0
-    normal_scale: float = 1.0
-    normal_space: str = "tangent"
-    """What normal maps hold: vectors in ``"tangent"`` space or in ``"object"`` space."""
-    bump_scale: float = 1.0
-    """Height, in the scene's unit, of the value 1 of ``bump_texture``."""
-    occlusion_strength: float = 1.0
-    emissive: tuple[float, ...] = (0.0, 0.0, 0.0)
-    ambient: tuple[float, ...] = (1.0, 1.0, 1.0)
-    specular: tuple[float, ...] = (0.0, 0.0, 0.0)
-    shininess: float = 1.0
-    alpha_mode: str = "opaque"
-    """``"opaque"``, ``"mask"`` (shown where alpha is at least ``alpha_cutoff``) or ``"blend"``."""
-    alpha_cutoff: float = 0.5
-    double_sided: bool = False
-    unlit: bool = False
-    base_color_texture: TextureSlot | None = None
-    alpha_texture: TextureSlot | None = None
-    metallic_roughness_texture: TextureSlot | None = None
-    normal_texture: TextureSlot | None = None
-    bump_texture: TextureSlot | None = None
-    occlusion_texture: TextureSlot | None = None
-    emissive_texture: TextureSlot | None = None
-    specular_texture: TextureSlot | None = None
-    shininess_texture: TextureSlot | None = None
-    layers: tuple[Layer, ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
-class MeshImage:
-    """A picture that materials name: in a file of its own, still encoded in the mesh's file, or an array."""
-
-    name: str
-    path: Path | None = None
-    data: bytes | None = field(default=None, repr=False)
-    pixels: NDArray[Any] | None = field(default=None, repr=False)
-    """(H, W) or (H, W, C), as :class:`Texture` takes them; goes before the other two."""
-
-    def read(self) -> NDArray[Any]:
-        """Decode the picture, as :func:`read_image` does.
-
-        Raises
-        ------
-        OSError
-            When it is missing or damaged.
-        """
-        if self.pixels is not None:
-            return self.pixels
-        if self.path is not None:
-            return read_image(self.path)
-        if self.data is None:
-            raise OSError(f"image: {self.name}")
-        return _multum.decode_image(self.name or "embedded image", self.data)
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,6 +72,8 @@ class Mesh:
         >>> mesh.faces.tolist(), mesh.normals[0].tolist(), mesh.uv[0].tolist()
         ([[0, 1, 2]], [0.0, 0.0, 1.0], [0.0, 0.0])
         """
+        from ._scene import Scene
+
         return Scene.open(path, normals=normals).mesh
 
     @classmethod
@@ -276,7 +162,7 @@ class Mesh:
         face_material = []
         for mesh in parts:
             face_material.append(mesh.face_material + np.uint32(len(materials)))
-            materials += [_moved(material, len(images)) for material in mesh.materials]
+            materials += [moved(material, len(images)) for material in mesh.materials]
             images += mesh.images
 
         def rows(get: Any) -> Any:
@@ -443,216 +329,9 @@ class Mesh:
         return Texture(image, slot.wrap, encoding=slot.encoding, alpha="straight" if alpha else "none")
 
 
-class Camera:
-    """Where the eye is and what it sees. It looks along its own -z, with y up in the picture.
-
-    Parameters
-    ----------
-    eye, target : 3 numbers
-        Where it is, and what it looks at.
-    up : 3 numbers
-        What is upwards in the picture.
-    fov : float
-        Angle of view from bottom to top, in degrees.
-    near, far : float
-        Nearest and farthest distance seen; ``far`` may be infinite.
-
-    Raises
-    ------
-    ValueError, TypeError
-        For numbers that make no camera.
-
-    Examples
-    --------
-    >>> import multum as mt
-    >>> camera = mt.Camera((0, 0, 5), (0, 0, 0), fov=90)
-    >>> camera.project([0, 5, 0], (64, 64)).round(6).tolist()[:2]
-    [0.0, 5.0]
-    """
-
-    def __init__(
-        self,
-        eye: ArrayLike,
-        target: ArrayLike = (0.0, 0.0, 0.0),
-        up: ArrayLike = (0.0, 1.0, 0.0),
-        fov: float = 45.0,
-        near: float = 0.01,
-        far: float = math.inf,
-    ) -> None:
-        places = [_place(name, v) for name, v in (("eye", eye), ("target", target), ("up", up))]
-        self._native = _multum.Camera(
-            places[0],
-            places[1],
-            places[2],
-            math.radians(number("fov", fov)),
-            number("near", near),
-            number("far", far),
-        )
-
-    @classmethod
-    def _of(cls, native: _multum.Camera) -> "Camera":
-        camera = cls.__new__(cls)
-        camera._native = native
-        return camera
-
-    @property
-    def name(self) -> str:
-        """Name in the file."""
-        return self._native.name
-
-    @property
-    def eye(self) -> NDArray[np.float64]:
-        """Where it is, (3,)."""
-        return np.array(self._native.eye)
-
-    @property
-    def view(self) -> NDArray[np.float64]:
-        """World space to the camera's own space, (4, 4), for column vectors."""
-        return self._native.view()
-
-    def matrix(self, size: tuple[SupportsIndex, SupportsIndex]) -> NDArray[np.float64]:
-        """World space to clip space for a picture of this (width, height), (4, 4), for column vectors."""
-        return self._native.matrix(image_size(size))
-
-    def turned(self, degrees: float, center: ArrayLike = (0.0, 0.0, 0.0)) -> "Camera":
-        """The camera carried around the vertical (y) axis through ``center``, counter-clockwise from above.
-
-        Examples
-        --------
-        >>> import multum as mt
-        >>> mt.Camera((0, 1, 5)).turned(90).eye.round(6).tolist()
-        [5.0, 1.0, 0.0]
-        """
-        return Camera._of(
-            self._native.turned(_place("center", center), math.radians(number("degrees", degrees)))
-        )
-
-    def project(self, points: ArrayLike, size: tuple[SupportsIndex, SupportsIndex]) -> NDArray[np.float64]:
-        """Clip-space positions (..., 4) of points (..., 3): what :func:`rasterize` takes."""
-        return self._native.project(points, image_size(size))
-
-
-class Scene:
-    """A mesh, cameras and lights: what :func:`render` draws.
-
-    Everything may be replaced: ``scene.mesh``, ``scene.cameras``, ``scene.lights``. Without lights (None) a lamp
-    at the camera and some ambient light are used.
-
-    Examples
-    --------
-    >>> import multum as mt, pathlib, tempfile
-    >>> path = pathlib.Path(tempfile.mkdtemp(), "triangle.obj")
-    >>> _ = path.write_text("v 0 0 0\\nv 1 0 0\\nv 0 1 0\\nf 1 2 3\\n")
-    >>> scene = mt.Scene.open(path)
-    >>> clip = scene.camera("auto").project(scene.mesh.positions, (64, 48))
-    >>> int((mt.rasterize(clip, scene.mesh.faces, (64, 48)).triangle == 0).sum()) > 200
-    True
-    >>> scene.lights = [mt.light.Directional((0, 0, -1)), mt.light.Ambient(0.1)]
-    >>> mt.render(scene, size=(64, 48)).dtype
-    dtype('uint8')
-    """
-
-    def __init__(
-        self, mesh: Mesh, cameras: Iterable[Camera] = (), lights: Iterable[Light] | None = None
-    ) -> None:
-        self.mesh = mesh
-        self.cameras = list(cameras)
-        self.lights: list[Light] | None = None if lights is None else list(lights)
-        self._textures: tuple[list[MeshImage], _multum.Textures] | None = None
-
-    @classmethod
-    def open(cls, path: str | os.PathLike[str], *, normals: str = "auto") -> "Scene":
-        """Read a glTF (``.gltf``, ``.glb``) or OBJ file; see :meth:`Mesh.open`."""
-        parts, cameras, lights = _multum.open_scene(os.fspath(path), normals)
-        mesh = Mesh(
-            **{
-                **parts,
-                "materials": [_material(values) for values in parts["materials"]],
-                "images": [
-                    MeshImage(name, None if file is None else Path(file), data)
-                    for name, file, data in parts["images"]
-                ],
-            }
-        )
-        lamps = [from_parts(*light) for light in lights]
-        return cls(mesh, [Camera._of(camera) for camera in cameras], lamps or None)
-
-    def add(self, mesh: Mesh, matrix: ArrayLike | None = None) -> None:
-        """Put one more mesh into the scene, moved by a matrix as :meth:`Mesh.moved` takes it."""
-        self.mesh = Mesh.join([self.mesh, mesh if matrix is None else mesh.moved(matrix)])
-
-    @property
-    def center(self) -> NDArray[np.float64]:
-        """The middle of the box around the mesh, (3,)."""
-        used = self.mesh.positions[self.mesh.faces].reshape(-1, 3).astype(np.float64)
-        return np.zeros(3) if len(used) == 0 else (used.min(0) + used.max(0)) / 2
-
-    def _texture_store(self) -> _multum.Textures:
-        """The textures made so far, as long as the mesh has the same pictures."""
-        images = self.mesh.images
-        if self._textures is not None:
-            known, store = self._textures
-            if len(known) == len(images) and all(a is b for a, b in zip(known, images, strict=True)):
-                return store
-        store = _multum.Textures()
-        self._textures = (list(images), store)
-        return store
-
-    def camera(self, name: str = "auto") -> Camera:
-        """The camera of this name; ``"auto"``: the file's first, or one that frames the scene.
-
-        Raises
-        ------
-        ValueError
-            When there is no camera of this name.
-        """
-        if name == "auto":
-            if self.cameras:
-                return self.cameras[0]
-            return Camera._of(_multum.Camera.framing(self.mesh.positions, self.mesh.faces))
-        for camera in self.cameras:
-            if camera.name == name:
-                return camera
-        names = ", ".join(repr(camera.name) for camera in self.cameras)
-        raise ValueError(f"camera: got {name!r}, expected 'auto' or one of [{names}]")
-
-
-def _place(name: str, value: ArrayLike) -> list[float]:
-    try:
-        place = np.asarray(value, np.float64)
-    except (TypeError, ValueError):
-        raise TypeError(f"{name}: got {value!r}, expected 3 numbers") from None
-    if place.shape != (3,):
-        raise ValueError(f"{name}: got shape {place.shape}, expected 3 numbers")
-    return [float(x) for x in place]
-
-
 def _unit(vectors: NDArray[np.floating]) -> NDArray[np.float32]:
     lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return (vectors / np.where(lengths > 0, lengths, 1)).astype(np.float32)
-
-
-def _moved(material: Material, images: int) -> Material:
-    """The material with its slots naming pictures so many places later."""
-
-    def later(slot: TextureSlot) -> TextureSlot:
-        return replace(slot, image=slot.image + images)
-
-    slots: dict[str, Any] = {
-        name: later(value) for name, value in vars(material).items() if isinstance(value, TextureSlot)
-    }
-    layers = tuple(replace(layer, texture=later(layer.texture)) for layer in material.layers)
-    return replace(material, **slots, layers=layers)
-
-
-def _material(values: dict[str, Any]) -> Material:
-    fields: dict[str, Any] = dict(values)
-    for key, value in values.items():
-        if key.endswith("_texture"):
-            fields[key] = TextureSlot(**value)
-        elif isinstance(value, list):
-            fields[key] = tuple(value)
-    return Material(**fields)
 
 
 def vertex_normals(positions: ArrayLike, faces: ArrayLike) -> NDArray[np.float32]:

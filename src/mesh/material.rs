@@ -156,6 +156,12 @@ pub struct Material {
     pub bump_texture: Option<TextureSlot>,
     /// Scale of the heights (MTL: `-bm`).
     pub bump_scale: f32,
+    /// Heights by which vertices move along their normals (MTL: `disp`).
+    pub displacement_texture: Option<TextureSlot>,
+    /// How far the height 1 moves a vertex, in the mesh's unit.
+    pub displacement_scale: f32,
+    /// How far the height 0 moves a vertex.
+    pub displacement_offset: f32,
     /// Red tells how much ambient light arrives.
     pub occlusion_texture: Option<TextureSlot>,
     /// How much of the occlusion is applied.
@@ -168,7 +174,9 @@ pub struct Material {
     pub ambient: [f32; 3],
     /// Specular reflection (MTL: Ks).
     pub specular: [f32; 3],
-    /// Multiplies `specular` (MTL: `map_Ks`).
+    /// Share of an environment that is mirrored as in a smooth mirror: a reflection map.
+    pub mirror: [f32; 3],
+    /// Multiplies `specular` and `mirror` (MTL: `map_Ks`).
     pub specular_texture: Option<TextureSlot>,
     /// Phong exponent (MTL: Ns); 0 for no highlight.
     pub shininess: f32,
@@ -200,12 +208,16 @@ impl Default for Material {
             normal_space: NormalSpace::Tangent,
             bump_texture: None,
             bump_scale: 1.0,
+            displacement_texture: None,
+            displacement_scale: 1.0,
+            displacement_offset: 0.0,
             occlusion_texture: None,
             occlusion_strength: 1.0,
             emissive: [0.0; 3],
             emissive_texture: None,
             ambient: [1.0; 3],
             specular: [0.0; 3],
+            mirror: [0.0; 3],
             specular_texture: None,
             shininess: 1.0,
             shininess_texture: None,
@@ -226,6 +238,7 @@ impl Material {
             ("metallic_roughness_texture", &self.metallic_roughness_texture),
             ("normal_texture", &self.normal_texture),
             ("bump_texture", &self.bump_texture),
+            ("displacement_texture", &self.displacement_texture),
             ("occlusion_texture", &self.occlusion_texture),
             ("emissive_texture", &self.emissive_texture),
             ("specular_texture", &self.specular_texture),

@@ -33,6 +33,7 @@ pub use light::Light;
 pub use material::{
     AlphaMode, Blend, ImageSource, Layer, Material, Model, NormalSpace, SampleFilter, TextureSlot,
 };
+pub(crate) use normals::grouped as grouped_normals;
 pub use normals::{Normals, smooth_normals};
 #[cfg(feature = "mesh")]
 pub use scene::Scene;

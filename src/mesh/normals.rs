@@ -89,7 +89,13 @@ pub fn smooth_normals(positions: &[[f32; 3]], faces: &[[u32; 3]]) -> Result<Vec<
 
 /// Normals of checked faces. Flat needs vertices of its own for each face.
 pub(super) fn missing(positions: &[[f32; 3]], faces: &[[u32; 3]], normals: Normals) -> Vec<[f32; 3]> {
-    let welded = if normals == Normals::Flat { (0..positions.len()).collect() } else { weld(positions) };
+    let welded: Vec<usize> =
+        if normals == Normals::Flat { (0..positions.len()).collect() } else { weld(positions) };
+    grouped(positions, faces, &welded)
+}
+
+/// Normals of checked faces, shared by the vertices that name the same vertex in `groups`.
+pub(crate) fn grouped(positions: &[[f32; 3]], faces: &[[u32; 3]], groups: &[usize]) -> Vec<[f32; 3]> {
     let mut sums = vec![[0.0; 3]; positions.len()];
     for face in faces {
         let corners = face.map(|v| v as usize);
@@ -102,11 +108,11 @@ pub(super) fn missing(positions: &[[f32; 3]], faces: &[[u32; 3]], normals: Norma
         for (i, &corner) in corners.iter().enumerate() {
             let (a, b) = (minus(p[(i + 1) % 3], p[i]), minus(p[(i + 2) % 3], p[i]));
             let weight = dot(cross(a, b), cross(a, b)).sqrt().atan2(dot(a, b)) / area;
-            let sum: &mut [f64; 3] = &mut sums[welded[corner]];
+            let sum: &mut [f64; 3] = &mut sums[groups[corner]];
             sum.iter_mut().zip(normal).for_each(|(s, n)| *s += n * weight);
         }
     }
-    welded.iter().map(|&v| unit(sums[v])).collect()
+    groups.iter().map(|&v| unit(sums[v])).collect()
 }
 
 /// For each vertex the first vertex at the same place.

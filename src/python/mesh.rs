@@ -37,6 +37,9 @@ fn material<'py>(py: Python<'py>, m: &Material) -> PyResult<Bound<'py, PyDict>> 
     made.set_item("roughness", m.roughness)?;
     made.set_item("normal_scale", m.normal_scale)?;
     made.set_item("bump_scale", m.bump_scale)?;
+    made.set_item("displacement_scale", m.displacement_scale)?;
+    made.set_item("displacement_offset", m.displacement_offset)?;
+    made.set_item("mirror", m.mirror)?;
     made.set_item("occlusion_strength", m.occlusion_strength)?;
     made.set_item("emissive", m.emissive)?;
     made.set_item("ambient", m.ambient)?;

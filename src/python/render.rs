@@ -7,11 +7,15 @@ use crate::encode::Encoding;
 use crate::error::{Error, Result};
 use crate::filter::Filter;
 use crate::image::{AnyView, Image, for_any};
+use crate::mapping::Layout;
 use crate::mesh::{
     AlphaMode, Blend, ImageSource, Layer, Light, Material, Mesh, Model, NormalSpace, TextureSlot,
 };
-use crate::render::{Debug, Options, Picture, TextureUse, View, render as draw};
+use crate::render::{Debug, Options, Picture, ShadowOptions, TextureUse, View, render as draw};
+use crate::shade::{Environment, EnvironmentOptions, Ray, bumped};
+use crate::warp::panorama::Form;
 use crate::wrap::Wrap;
+use glam::{DMat3, DVec3, Vec3};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
@@ -101,12 +105,16 @@ fn material(fields: &Bound<'_, PyDict>) -> PyResult<Material> {
         normal_space: NormalSpace::parse("normal_space", &get::<String>(fields, "normal_space")?)?,
         bump_texture: texture("bump_texture")?,
         bump_scale: get(fields, "bump_scale")?,
+        displacement_texture: texture("displacement_texture")?,
+        displacement_scale: get(fields, "displacement_scale")?,
+        displacement_offset: get(fields, "displacement_offset")?,
         occlusion_texture: texture("occlusion_texture")?,
         occlusion_strength: get(fields, "occlusion_strength")?,
         emissive: get(fields, "emissive")?,
         emissive_texture: texture("emissive_texture")?,
         ambient: get(fields, "ambient")?,
         specular: get(fields, "specular")?,
+        mirror: get(fields, "mirror")?,
         specular_texture: texture("specular_texture")?,
         shininess: get(fields, "shininess")?,
         shininess_texture: texture("shininess_texture")?,
@@ -190,7 +198,12 @@ impl PyDrawing {
         size: (usize, usize),
         sampling: &Sampling,
         file_filters: bool,
+        environment: Option<&PyEnvironment>,
         background: [f32; 4],
+        show_environment: bool,
+        shadows: Option<(usize, f32)>,
+        bump_curvature: bool,
+        displacement_edge_px: f64,
         supersample: usize,
         debug: Option<&str>,
         report: bool,
@@ -202,13 +215,21 @@ impl PyDrawing {
             sampler: sampling.sampler,
             file_filters,
             background,
+            show_environment,
+            shadows: shadows.map(|(size, softness)| ShadowOptions { size, softness }),
+            bump_curvature,
+            displacement_edge_px,
             supersample,
             debug: debug.map(|name| Debug::parse("debug", name)).transpose()?,
             report,
-            ..Options::default()
         };
-        let view =
-            View { mesh: &self.mesh, textures: &textures.0, camera: &camera.0, lights: lights.as_deref() };
+        let view = View {
+            mesh: &self.mesh,
+            textures: &textures.0,
+            camera: &camera.0,
+            lights: lights.as_deref(),
+            environment: environment.map(|e| &e.0),
+        };
         let mut tell = |done: f64| {
             Python::attach(|py| {
                 let told = progress.as_ref().map_or(Ok(()), |f| f.call1(py, (done,)).map(drop));
@@ -238,8 +259,133 @@ fn parts(t: &TextureUse) -> TextureParts {
     (t.image, t.name.clone(), t.size, t.reads, t.histogram.clone(), t.touched, t.recommended)
 }
 
+/// Light from all sides.
+#[pyclass(name = "Environment", frozen, module = "multum._multum")]
+pub struct PyEnvironment(Environment);
+
+#[pymethods]
+impl PyEnvironment {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        image: &Bound<'_, PyAny>,
+        form: &str,
+        layout: &str,
+        encoding: &str,
+        yaw_rad: f64,
+        intensity: f32,
+    ) -> PyResult<Self> {
+        let (shape, follows_eye) = match form {
+            "equirect" => (Form::Equirect, false),
+            "cube" => (Form::Cube(Layout::parse("layout", layout)?), false),
+            "probe" => (Form::LightProbe, false),
+            "mirror_ball" => (Form::MirrorBall, false),
+            "sphere_map" => (Form::MirrorBall, true),
+            _ => {
+                let expected = "\"equirect\", \"cube\", \"probe\", \"mirror_ball\" or \"sphere_map\"";
+                return Err(Error::value("form", format!("{form:?}"), expected).into());
+            }
+        };
+        let options = EnvironmentOptions {
+            form: shape,
+            follows_eye,
+            encoding: Encoding::parse("encoding", encoding)?,
+            yaw_rad,
+            intensity,
+        };
+        let image = ImageArg::new("image", image)?;
+        let view = image.view()?;
+        Ok(Self(work(py, None, || Environment::new(view, &options))?))
+    }
+
+    /// What a white surface with each of these unit normals shows.
+    fn diffuse<'py>(&self, py: Python<'py>, normals: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let normals: Vec<[f32; 3]> = vectors("normals", normals)?;
+        let light = |n: &[f32; 3]| self.0.diffuse((*n).into(), DMat3::IDENTITY).to_array();
+        let out: Vec<[f32; 3]> = normals.iter().map(light).collect();
+        array(py, out.as_flattened().to_vec(), &[normals.len(), 3])
+    }
+
+    /// The light along each direction, averaged by a lobe and over a movement.
+    fn radiance<'py>(
+        &self,
+        py: Python<'py>,
+        directions: &Bound<'py, PyAny>,
+        moving: Option<&Bound<'py, PyAny>>,
+        exponent: f32,
+        sampling: &Sampling,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let directions: Vec<[f32; 3]> = vectors("directions", directions)?;
+        let moving: Vec<[f32; 3]> = moving.map_or(Ok(Vec::new()), |m| vectors("moving", m))?;
+        if !moving.is_empty() && moving.len() != 2 * directions.len() {
+            let expected = format!("two for each direction, {}", 2 * directions.len());
+            return Err(Error::value("moving", format!("{} vectors", moving.len()), expected).into());
+        }
+        let place = |v: [f32; 3]| DVec3::from(v.map(f64::from));
+        let rays: Vec<Ray> = directions
+            .iter()
+            .enumerate()
+            .map(|(i, &d)| Ray {
+                direction: place(d),
+                moving: [0, 1].map(|k| moving.get(2 * i + k).map_or(DVec3::ZERO, |m| place(*m))),
+            })
+            .collect();
+        let exponents = vec![exponent; rays.len()];
+        let light = work(py, sampling.threads, || {
+            self.0.mirrored(&rays, &exponents, DMat3::IDENTITY, &sampling.sampler)
+        })?;
+        let numbers = light.iter().flat_map(|c| c.to_array()).collect();
+        array(py, numbers, &[directions.len(), 3])
+    }
+}
+
+/// Normals of surfaces moved by a height: one for each row.
+#[pyfunction]
+#[pyo3(signature = (p_u, p_v, normals, slopes, heights, n_u, n_v))]
+#[allow(clippy::too_many_arguments, reason = "one for each vector of the formula")]
+fn bumped_normals<'py>(
+    py: Python<'py>,
+    p_u: &Bound<'py, PyAny>,
+    p_v: &Bound<'py, PyAny>,
+    normals: &Bound<'py, PyAny>,
+    slopes: &Bound<'py, PyAny>,
+    heights: Option<&Bound<'py, PyAny>>,
+    n_u: Option<&Bound<'py, PyAny>>,
+    n_v: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let rows = |name, v: &Bound<'py, PyAny>| vectors::<3>(name, v);
+    let (p_u, p_v, n) = (rows("p_u", p_u)?, rows("p_v", p_v)?, rows("normals", normals)?);
+    let slopes: Vec<[f32; 2]> = vectors("slopes", slopes)?;
+    let curved = match (heights, n_u, n_v) {
+        (Some(d), Some(u), Some(v)) => Some((vectors::<1>("heights", d)?, rows("n_u", u)?, rows("n_v", v)?)),
+        _ => None,
+    };
+    let lens = [("p_u", p_u.len()), ("p_v", p_v.len()), ("slopes", slopes.len())].into_iter().chain(
+        curved.iter().flat_map(|(d, u, v)| [("heights", d.len()), ("n_u", u.len()), ("n_v", v.len())]),
+    );
+    for (name, len) in lens {
+        if len != n.len() {
+            return Err(Error::value(
+                name,
+                format!("{len} rows"),
+                format!("as many as normals, {}", n.len()),
+            )
+            .into());
+        }
+    }
+    let made: Vec<[f32; 3]> = (0..n.len())
+        .map(|i| {
+            let curvature = curved.as_ref().map(|(d, u, v)| (d[i][0], [Vec3::from(u[i]), Vec3::from(v[i])]));
+            bumped([p_u[i].into(), p_v[i].into()], n[i].into(), slopes[i], curvature).to_array()
+        })
+        .collect();
+    array(py, made.as_flattened().to_vec(), &[n.len(), 3])
+}
+
 /// Adds this topic to the module.
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<PyTextures>()?;
-    module.add_class::<PyDrawing>()
+    module.add_class::<PyDrawing>()?;
+    module.add_class::<PyEnvironment>()?;
+    module.add_function(wrap_pyfunction!(bumped_normals, module)?)
 }

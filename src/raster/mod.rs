@@ -136,6 +136,11 @@ impl Fragments {
         &self.depth
     }
 
+    /// The same, given away.
+    pub fn into_depth(self) -> Vec<f32> {
+        self.depth
+    }
+
     /// Share of each pixel's sample points that lie in some triangle, 0..=1. With the centre as the only
     /// sample this is 1 where there is a triangle and 0 elsewhere.
     pub fn coverage(&self) -> Vec<f32> {

@@ -47,7 +47,7 @@ pub(super) fn shade_tile(
             Some(debug) => debug.colors(frame, sampled, batch)?,
             None => {
                 let surfaces = sampled.surfaces(frame, batch, seed)?;
-                super::light::light(frame, sampled, batch, &surfaces)
+                super::light::light(frame, sampled, batch, &surfaces)?
             }
         };
         for (&p, color) in batch.pixel.iter().zip(colors) {

@@ -1,11 +1,12 @@
 //! Light on the surfaces of a batch.
 
-use super::Frame;
 use super::batch::Batch;
 use super::surface::{Sampled, Surface, Surfaces};
+use super::{Eye, Frame};
+use crate::error::Result;
 use crate::mesh::{AlphaMode, Camera, Light, Model};
-use crate::shade::{Phong, blend, toksvig};
-use glam::Vec3;
+use crate::shade::{Environment, Phong, Ray, blend, toksvig};
+use glam::{DVec3, Vec3};
 
 /// Lights of a scene that has none: a lamp above the viewer's left shoulder, and light from everywhere.
 pub(super) fn default_lights(camera: &Camera) -> [Light; 2] {
@@ -26,9 +27,13 @@ pub(super) fn light(
     sampled: &Sampled<'_>,
     batch: &Batch,
     surfaces: &Surfaces,
-) -> Vec<[f32; 4]> {
+) -> Result<Vec<[f32; 4]>> {
     let slack = sampled.normal_slack();
     let mut colors = Vec::with_capacity(batch.len());
+    let sky = match frame.view.environment {
+        Some(sky) if !sampled.material.unlit => around(frame, sampled, surfaces, sky, slack)?,
+        _ => Vec::new(),
+    };
     for (i, s) in surfaces.list.iter().enumerate() {
         let alpha = match sampled.material.alpha_mode {
             AlphaMode::Opaque => 1.0,
@@ -42,7 +47,7 @@ pub(super) fn light(
         let lit = if sampled.material.unlit {
             Vec3::new(s.base[0], s.base[1], s.base[2])
         } else {
-            lit(frame, sampled, s, slack)
+            lit(frame, sampled, s, slack) + sky.get(i).copied().unwrap_or_default()
         };
         let mut color = [lit.x, lit.y, lit.z, alpha];
         for (mode, texels) in &surfaces.after_light {
@@ -52,20 +57,73 @@ pub(super) fn light(
         let a = if sampled.material.alpha_mode == AlphaMode::Opaque { 1.0 } else { a.clamp(0.0, 1.0) };
         colors.push([r * a, g * a, b * a, a]);
     }
-    colors
+    Ok(colors)
+}
+
+/// The Phong surface of a pixel, and what it reflects head-on.
+fn phong(sampled: &Sampled<'_>, s: &Surface) -> (Phong, Vec3) {
+    let base = Vec3::new(s.base[0], s.base[1], s.base[2]);
+    let m = sampled.material;
+    match m.model {
+        Model::MetallicRoughness => Phong::from_metallic_roughness(base, s.metallic, s.roughness),
+        Model::Phong => {
+            let ka = Vec3::from(m.ambient) * base;
+            // The mean over the sky of a lobe with the height ks: ∫ ks cos^p θ dω/π = 2 ks/(p + 1).
+            let facing =
+                if s.shininess > 0.0 { s.specular * (2.0 / (s.shininess + 1.0)) } else { Vec3::ZERO };
+            (Phong { ka, kd: base, ks: s.specular, p: s.shininess }, facing)
+        }
+    }
+}
+
+/// What the environment adds to each pixel: diffuse, in the highlight's lobe, and mirrored.
+fn around(
+    frame: &Frame<'_>,
+    sampled: &Sampled<'_>,
+    surfaces: &Surfaces,
+    sky: &Environment,
+    slack: f32,
+) -> Result<Vec<Vec3>> {
+    let list = &surfaces.list;
+    let mut sum = Vec::with_capacity(list.len());
+    let (mut rays, mut exponents, mut shares) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, s) in list.iter().enumerate() {
+        let (phong, facing) = phong(sampled, s);
+        sum.push(phong.kd * sky.diffuse(s.normal, frame.eye_turn) * s.occlusion);
+        let v = frame.eye.from(s.point.at);
+        let mut share = facing;
+        if sampled.material.model == Model::MetallicRoughness {
+            // Schlick, "An inexpensive BRDF model for physically-based rendering", Eurographics 1994; rough surfaces
+            // do not reach 1 at the rim.
+            let rim = (1.0 - v.dot(s.normal)).clamp(0.0, 1.0).powi(5);
+            share += (Vec3::splat(1.0 - s.roughness).max(facing) - facing) * rim;
+        }
+        let (towards, moving) = match frame.eye {
+            Eye::At(eye) => ((s.point.at - eye).as_dvec3(), [s.point.dx, s.point.dy].map(|d| d.as_dvec3())),
+            Eye::Along(back) => (-back.as_dvec3(), [DVec3::ZERO; 2]),
+        };
+        let n = s.normal.as_dvec3();
+        let turning = [s.smooth.dx, s.smooth.dy].map(|d| d.as_dvec3());
+        let ray = Ray { direction: towards, moving }.mirrored(n, turning);
+        for (share, p) in [(share, phong.p), (s.mirror, f32::MAX)] {
+            if share != Vec3::ZERO {
+                let p = if s.normal_length < 1.0 { toksvig(s.normal_length, p, slack).0 } else { p };
+                rays.push(ray);
+                exponents.push(p);
+                shares.push((i, share));
+            }
+        }
+    }
+    let light = sky.mirrored(&rays, &exponents, frame.eye_turn, &frame.options.sampler)?;
+    for ((i, share), light) in shares.into_iter().zip(light) {
+        sum[i] += share * light;
+    }
+    Ok(sum)
 }
 
 /// The colour that a surface sends to the eye.
 fn lit(frame: &Frame<'_>, sampled: &Sampled<'_>, s: &Surface, slack: f32) -> Vec3 {
-    let base = Vec3::new(s.base[0], s.base[1], s.base[2]);
-    let m = sampled.material;
-    let (mut phong, _) = match m.model {
-        Model::MetallicRoughness => Phong::from_metallic_roughness(base, s.metallic, s.roughness),
-        Model::Phong => {
-            let ka = Vec3::from(m.ambient) * base;
-            (Phong { ka, kd: base, ks: s.specular, p: s.shininess }, s.specular)
-        }
-    };
+    let (mut phong, _) = phong(sampled, s);
     if s.normal_length < 1.0 {
         let (p, strength) = toksvig(s.normal_length, phong.p, slack);
         (phong.p, phong.ks) = (p, phong.ks * strength);
@@ -75,7 +133,11 @@ fn lit(frame: &Frame<'_>, sampled: &Sampled<'_>, s: &Surface, slack: f32) -> Vec
     let mut sum = s.emissive + phong.ka * lights.ambient * s.occlusion;
     for k in 0..lights.len() {
         let (l, light) = lights.at(k, s.point.at);
-        sum += phong.lit(light, l, s.normal, v);
+        let added = phong.lit(light, l, s.normal, v);
+        sum += match &frame.shadows {
+            Some(shadows) if added != Vec3::ZERO => added * shadows.lit(k, &s.point),
+            _ => added,
+        };
     }
     sum
 }

@@ -1,10 +1,12 @@
 //! From a mesh, a camera and lights to a picture.
 //!
 //! ```text
+//!  displacement faces cut to the size of pixels and moved by height maps
+//!  shadows      depth textures from every light, where they are asked for
 //!  visibility   opaque faces: the nearest at each pixel; the others: layer behind layer, front to back
 //!  batches      the pixels of a tile, sorted by material
 //!  textures     each texture of a material in one call, with the uv and Jacobians of the whole batch
-//!  light        Phong for each pixel of the batch
+//!  light        Phong for each pixel of the batch; the environment by its reflected rays
 //!  compositing  premultiplied, in linear light, front over back, then over the background
 //! ```
 //!
@@ -12,10 +14,12 @@
 
 mod batch;
 mod debug;
+mod displace;
 mod layer;
 mod light;
 mod picture;
 mod report;
+mod shadow;
 mod surface;
 mod textures;
 
@@ -25,11 +29,14 @@ use crate::mesh::{AlphaMode, Camera, Light, Mesh};
 use crate::par;
 use crate::raster::{Cull, Fragments, Geometry, MAX_SIDE, Options as RasterOptions, rasterize};
 use crate::sampler::Sampler;
-use crate::shade::Lights;
+use crate::shade::{Environment, Lights, Ray, over};
+use glam::{DMat3, DVec3};
 
 pub use debug::Debug;
+pub use displace::displaced;
 pub use picture::Picture;
 pub use report::{Report, TextureUse};
+pub use shadow::ShadowOptions;
 pub use textures::Textures;
 
 /// Pixels that a thread takes at a time: whole rows, about this many pixels.
@@ -47,7 +54,10 @@ pub struct View<'a> {
     /// The eye.
     pub camera: &'a Camera,
     /// The lights; `None` for a default: one from behind the camera and some from everywhere.
+    /// With an environment no lights are added.
     pub lights: Option<&'a [Light]>,
+    /// Light from all sides, mirrored by what shines.
+    pub environment: Option<&'a Environment>,
 }
 
 /// How it is drawn.
@@ -59,6 +69,12 @@ pub struct Options {
     pub file_filters: bool,
     /// Linear colour and straight alpha behind everything.
     pub background: [f32; 4],
+    /// Whether the environment is seen behind everything, before `background`.
+    pub show_environment: bool,
+    /// Depth textures of lights; `None` for light that passes through everything.
+    pub shadows: Option<ShadowOptions>,
+    /// Longest edge, in pixels of the drawing, of faces with displacement maps.
+    pub displacement_edge_px: f64,
     /// Pixels of the drawing along each side of a pixel of the picture: 1 to 8.
     pub supersample: usize,
     /// Whether bump maps count the terms with the curvature of the surface.
@@ -75,6 +91,9 @@ impl Default for Options {
             sampler: Sampler::new(Filter::Auto),
             file_filters: false,
             background: [0.0; 4],
+            show_environment: false,
+            shadows: None,
+            displacement_edge_px: 4.0,
             supersample: 1,
             bump_curvature: false,
             debug: None,
@@ -90,6 +109,9 @@ struct Frame<'a> {
     lights: Lights,
     /// The eye, or for parallel rays the direction towards it.
     eye: Eye,
+    /// World to eye space, without the place.
+    eye_turn: DMat3,
+    shadows: Option<shadow::Shadows>,
     materials: Vec<Option<surface::Sampled<'a>>>,
     report: report::Collector,
 }
@@ -145,7 +167,7 @@ impl Eye {
 ///     ..Mesh::default()
 /// };
 /// let (camera, textures) = (Camera::framing(&mesh), Textures::new());
-/// let view = View { mesh: &mesh, textures: &textures, camera: &camera, lights: None };
+/// let view = View { mesh: &mesh, textures: &textures, camera: &camera, lights: None, environment: None };
 /// let picture = render(&view, (32, 24), &Options::default(), &mut |_| false)?;
 /// assert_eq!(picture.pixels()[12 * 32 + 16], [1.0, 0.0, 0.0, 1.0]); // red, opaque
 /// assert_eq!(picture.to_srgb8()?[..4], [0, 0, 0, 0]); // nothing in the corner
@@ -160,12 +182,28 @@ pub fn render(
     check(view, size, options)?;
     let times = options.supersample;
     let fine = (size.0 * times, size.1 * times);
+    let moved = displaced(view, fine, options.displacement_edge_px)?;
+    let view = &View { mesh: moved.as_ref().unwrap_or(view.mesh), ..*view };
     let default_lights = light::default_lights(view.camera);
+    let lights = match (view.lights, view.environment) {
+        (Some(lights), _) => lights,
+        (None, Some(_)) => &[],
+        (None, None) => &default_lights,
+    };
+    let shadows = match options.shadows {
+        Some(shadows) if options.debug.is_none() => {
+            Some(shadow::Shadows::new(view, lights, options, shadows)?)
+        }
+        _ => None,
+    };
+    let [x, y, z] = [0, 1, 2].map(|k| DVec3::from_slice(&view.camera.view[k][..3]));
     let mut frame = Frame {
         view: *view,
         options,
-        lights: Lights::new(view.lights.unwrap_or(&default_lights))?,
+        lights: Lights::new(lights)?,
         eye: Eye::of(view.camera),
+        eye_turn: DMat3::from_cols(x, y, z).transpose(),
+        shadows,
         materials: (0..view.mesh.materials.len()).map(|_| None).collect(),
         report: report::Collector::default(),
     };
@@ -195,6 +233,9 @@ pub fn render(
     frame.prepare(&solid, &nearest)?;
     frame.shade(&solid, &nearest, None, MAX_LAYERS, &mut pixels, &mut |share| step(0.5 + 0.5 * share))?;
 
+    if let (true, Some(sky)) = (options.show_environment, view.environment) {
+        frame.fill(sky, fine.0, &mut pixels)?;
+    }
     let background = Picture::premultiplied(options.background);
     let report = options.report.then(|| frame.report.finish(view.mesh));
     Picture::new(size, times, pixels, background, report)
@@ -214,6 +255,9 @@ fn check(view: &View<'_>, (width, height): (usize, usize), options: &Options) ->
     if !options.background.iter().all(|c| c.is_finite()) {
         let got = format!("{:?}", options.background);
         return Err(Error::value("background", got, "finite numbers"));
+    }
+    if let Some(shadows) = options.shadows {
+        shadows.check()?;
     }
     options.sampler.check()?;
     view.mesh.check()
@@ -299,5 +343,38 @@ impl<'a> Frame<'a> {
             step(((g + 1) * group).min(tiles) as f64 / tiles as f64)?;
         }
         Ok(())
+    }
+
+    /// Puts the environment under what the pixels hold.
+    fn fill(&self, sky: &Environment, width: usize, pixels: &mut [[f32; 4]]) -> Result<()> {
+        let size = (width, pixels.len() / width);
+        par::for_each(pixels.chunks_mut(width), |y, row| {
+            let open: Vec<usize> = (0..width).filter(|&x| row[x][3] < 1.0).collect();
+            let rays: Vec<Ray> = open.iter().map(|&x| self.ray(x, y, size)).collect();
+            let sharp = vec![f32::INFINITY; rays.len()];
+            let light = par::with_threads(Some(1), || {
+                sky.mirrored(&rays, &sharp, self.eye_turn, &self.options.sampler)
+            })?;
+            for (x, light) in open.into_iter().zip(light) {
+                row[x] = over(row[x], light.extend(1.0).to_array());
+            }
+            Ok(())
+        })
+    }
+
+    /// The ray from the eye through a pixel's centre: where the planes of its column and its row meet.
+    fn ray(&self, x: usize, y: usize, (width, height): (usize, usize)) -> Ray {
+        if let Eye::Along(towards) = self.eye {
+            return Ray { direction: -towards.as_dvec3(), moving: [DVec3::ZERO; 2] };
+        }
+        let m = self.view.camera.matrix(width, height);
+        let [right, up, w] = [0, 1, 3].map(|k| DVec3::from_slice(&m[k][..3]));
+        let (px, py) = (2.0 / width as f64, -2.0 / height as f64);
+        let column = right - ((x as f64 + 0.5) * px - 1.0) * w;
+        let row = up - ((y as f64 + 0.5) * py + 1.0) * w;
+        let direction = column.cross(row);
+        let side = if direction.dot(w) < 0.0 { -1.0 } else { 1.0 };
+        let moving = [(-px * w).cross(row), column.cross(-py * w)];
+        Ray { direction: side * direction, moving: moving.map(|d| side * d) }
     }
 }

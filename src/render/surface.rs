@@ -62,6 +62,7 @@ pub(super) struct Surface {
     pub metallic: f32,
     pub roughness: f32,
     pub specular: Vec3,
+    pub mirror: Vec3,
     pub shininess: f32,
     pub occlusion: f32,
     pub emissive: Vec3,
@@ -221,6 +222,19 @@ impl<'a> Sampled<'a> {
         }
     }
 
+    /// Alpha of a batch, before layers.
+    pub fn alpha(&self, mesh: &Mesh, batch: &Batch) -> Result<Vec<f32>> {
+        let start = self.material.base_color[3];
+        let mut alpha: Vec<f32> = (0..batch.len()).map(|i| start * batch.color(mesh, i)[3]).collect();
+        for (slot, channel) in [(&self.base, 3), (&self.alpha, 0)] {
+            let Some(slot) = slot else { continue };
+            for (a, texel) in alpha.iter_mut().zip(slot.sample(&batch.places(mesh, slot.slot), 0)?) {
+                *a *= texel[channel];
+            }
+        }
+        Ok(alpha)
+    }
+
     /// Samples every texture and sorts the numbers by pixel.
     pub fn surfaces(&self, frame: &Frame<'a>, batch: &Batch, seed: u64) -> Result<Surfaces> {
         let (mesh, m) = (frame.view.mesh, self.material);
@@ -250,7 +264,8 @@ impl<'a> Sampled<'a> {
             s.emissive *= Vec3::new(t[0], t[1], t[2]);
         }
         for (s, t) in list.iter_mut().zip(read(&self.specular)?.into_iter().flatten()) {
-            s.specular *= Vec3::new(t[0], t[1], t[2]);
+            let gloss = Vec3::new(t[0], t[1], t[2]);
+            (s.specular, s.mirror) = (s.specular * gloss, s.mirror * gloss);
         }
         for (s, t) in list.iter_mut().zip(read(&self.shininess)?.into_iter().flatten()) {
             s.shininess *= t[0];
@@ -312,6 +327,7 @@ impl<'a> Sampled<'a> {
             metallic: m.metallic,
             roughness: m.roughness,
             specular: m.specular.into(),
+            mirror: m.mirror.into(),
             shininess: m.shininess,
             occlusion: 1.0,
             emissive: m.emissive.into(),
