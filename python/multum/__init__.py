@@ -3,6 +3,7 @@
 from . import bake, compat, light, mapping, panorama, reference, unwrap
 from ._camera import Camera
 from ._chart import chart
+from ._environment import Environment
 from ._files import ImageInfo, image_info, read_image, write_image
 from ._material import Layer, Material, MeshImage, TextureSlot
 from ._mesh import Mesh, vertex_normals
@@ -21,6 +22,7 @@ from .mapping import checkerboard
 
 __all__ = [
     "Camera",
+    "Environment",
     "Fragments",
     "ImageInfo",
     "Layer",

@@ -75,11 +75,17 @@ class Material:
     """What normal maps hold: vectors in ``"tangent"`` space or in ``"object"`` space."""
     bump_scale: float = 1.0
     """Height, in the scene's unit, of the value 1 of ``bump_texture``."""
+    displacement_scale: float = 1.0
+    """How far the value 1 of ``displacement_texture`` moves a vertex along its normal, in the scene's unit."""
+    displacement_offset: float = 0.0
+    """How far the value 0 moves it."""
     occlusion_strength: float = 1.0
     emissive: tuple[float, ...] = (0.0, 0.0, 0.0)
     ambient: tuple[float, ...] = (1.0, 1.0, 1.0)
     specular: tuple[float, ...] = (0.0, 0.0, 0.0)
     shininess: float = 1.0
+    mirror: tuple[float, ...] = (0.0, 0.0, 0.0)
+    """Share of an environment that is mirrored as in a smooth mirror; ``specular_texture`` multiplies it too."""
     alpha_mode: str = "opaque"
     """``"opaque"``, ``"mask"`` (shown where alpha is at least ``alpha_cutoff``) or ``"blend"``."""
     alpha_cutoff: float = 0.5
@@ -90,6 +96,7 @@ class Material:
     metallic_roughness_texture: TextureSlot | None = None
     normal_texture: TextureSlot | None = None
     bump_texture: TextureSlot | None = None
+    displacement_texture: TextureSlot | None = None
     occlusion_texture: TextureSlot | None = None
     emissive_texture: TextureSlot | None = None
     specular_texture: TextureSlot | None = None

@@ -395,7 +395,12 @@ class Drawing:
         size: tuple[int, int],
         sampling: Sampling,
         file_filters: bool,
+        environment: Environment | None,
         background: tuple[float, float, float, float],
+        show_environment: bool,
+        shadows: tuple[int, float] | None,
+        bump_curvature: bool,
+        displacement_edge_px: float,
         supersample: int,
         debug: str | None,
         report: bool,
@@ -403,6 +408,35 @@ class Drawing:
         progress: Callable[[float], object] | None,
     ) -> tuple[NDArray[Any], list[Any]]: ...
 
+@final
+class Environment:
+    def __new__(
+        cls,
+        image: ArrayLike,
+        form: str,
+        layout: str,
+        encoding: str,
+        yaw_rad: float,
+        intensity: float,
+    ) -> Self: ...
+    def diffuse(self, normals: ArrayLike) -> NDArray[np.float32]: ...
+    def radiance(
+        self,
+        directions: ArrayLike,
+        moving: ArrayLike | None,
+        exponent: float,
+        sampling: Sampling,
+    ) -> NDArray[np.float32]: ...
+
+def bumped_normals(
+    p_u: ArrayLike,
+    p_v: ArrayLike,
+    normals: ArrayLike,
+    slopes: ArrayLike,
+    heights: ArrayLike | None,
+    n_u: ArrayLike | None,
+    n_v: ArrayLike | None,
+) -> NDArray[np.float32]: ...
 def cast_rays(
     positions: ArrayLike,
     faces: ArrayLike,

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _multum
 from ._arguments import count, image_size, name, number
 from ._camera import Camera
+from ._environment import Environment
 from ._material import Layer, Material, TextureSlot
 from ._scene import Scene
 from .light import Light, to_parts
@@ -45,7 +46,7 @@ def _material(material: Material) -> dict[str, Any]:
         key: _slot(value) if key.endswith("_texture") and value is not None else value
         for key, value in vars(material).items()
     }
-    for key in ("base_color", "emissive", "ambient", "specular"):
+    for key in ("base_color", "emissive", "ambient", "specular", "mirror"):
         fields[key] = [float(x) for x in fields[key]]
 
     def layer(value: Layer) -> tuple[dict[str, Any], str, bool]:
@@ -75,7 +76,7 @@ def _camera(scene: Scene, camera: Camera | str) -> Camera:
     return scene.camera(name("camera", camera))
 
 
-def _background(background: ArrayLike | None) -> tuple[float, float, float, float]:
+def _background(background: ArrayLike | str | None) -> tuple[float, float, float, float]:
     if background is None:
         return 0.0, 0.0, 0.0, 0.0
     try:
@@ -109,8 +110,13 @@ def render(
     filter: str = "auto",
     *,
     output: str = "srgb8",
-    background: ArrayLike | None = None,
+    background: ArrayLike | str | None = None,
     lights: Iterable[Light] | None = None,
+    environment: Environment | None = None,
+    shadows: SupportsIndex | None = None,
+    shadow_softness: float = 1.5,
+    bump_curvature: bool = False,
+    displacement_edge: float = 4.0,
     supersample: SupportsIndex = 1,
     max_anisotropy: float | None = 16,
     lod_bias: float = 0.0,
@@ -137,10 +143,22 @@ def render(
     output : str
         ``"srgb8"``: uint8 codes with straight alpha, as image files hold and screens show them, light above 1
         cut off. ``"linear"``: float32 light with premultiplied alpha, as compositing needs it.
-    background : 1, 3 or 4 numbers, optional
-        Linear colour, and straight alpha, behind everything; None for transparent.
+    background : 1, 3 or 4 numbers, or "environment", optional
+        Linear colour, and straight alpha, behind everything; None for transparent; or the environment itself.
     lights : iterable of lights, optional
         Instead of the scene's.
+    environment : Environment, optional
+        Light from all sides: matt surfaces show its average, shining ones mirror it, each pixel the piece that its
+        reflected rays meet. With it, and without lights, no lamp is added.
+    shadows : int, optional
+        Side in texels of the depth textures, one a light (six for lamps that shine to all sides); None for no
+        shadows. Opaque faces and what the alpha of masked ones leaves cast them.
+    shadow_softness : float
+        Least width of a shadow's edge, in texels of the depth texture; it is never narrower than a pixel.
+    bump_curvature : bool
+        Whether bump maps count the terms with the curvature of the surface, d n_u and d n_v.
+    displacement_edge : float
+        Faces with displacement maps are cut until no edge is longer than so many pixels of the drawing.
     supersample : int
         Pixels of the drawing along each side of a pixel of the picture, 1 to 8: smooth edges of faces.
     max_anisotropy, lod_bias
@@ -177,6 +195,13 @@ def render(
         raise ValueError(f"output: got {output!r}, expected 'srgb8' or 'linear'")
     if progress is not None and not callable(progress):
         raise TypeError(f"progress: got {progress!r}, expected a function")
+    if environment is not None and not isinstance(environment, Environment):
+        raise TypeError(f"environment: got {environment!r}, expected an Environment")
+    behind = isinstance(background, str)
+    if behind and (background != "environment" or environment is None):
+        raise ValueError(
+            f"background: got {background!r}, expected numbers, or 'environment' where there is one"
+        )
     picture, _ = _drawing(scene).render(
         scene._texture_store(),
         _camera(scene, camera)._native,
@@ -184,7 +209,12 @@ def render(
         image_size(size),
         _sampling(filter, max_anisotropy, lod_bias, threads),
         filter == "file",
-        _background(background),
+        None if environment is None else environment._native,
+        (0.0, 0.0, 0.0, 0.0) if behind else _background(background),
+        behind,
+        None if shadows is None else (count("shadows", shadows), number("shadow_softness", shadow_softness)),
+        bool(bump_curvature),
+        number("displacement_edge", displacement_edge),
         count("supersample", supersample),
         None if debug is None else name("debug", debug),
         False,
@@ -239,7 +269,12 @@ def right_size(
         image_size(size),
         _sampling("nearest", 1, 0.0, threads),
         False,
+        None,
         (0.0, 0.0, 0.0, 0.0),
+        False,
+        None,
+        False,
+        4.0,
         1,
         None,
         True,

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Ambient", "Directional", "Light", "Point"]
+from . import _multum
+
+__all__ = ["Ambient", "Directional", "Light", "Point", "bumped_normals"]
 
 _Vector: TypeAlias = tuple[float, float, float]
 _Parts: TypeAlias = tuple[str, _Vector, _Vector, float | None, tuple[_Vector, tuple[float, float]] | None]
@@ -50,6 +52,33 @@ class Point:
 
 
 Light: TypeAlias = Ambient | Directional | Point
+
+
+def bumped_normals(
+    p_u: ArrayLike,
+    p_v: ArrayLike,
+    normals: ArrayLike,
+    slopes: ArrayLike,
+    curvature: tuple[ArrayLike, ArrayLike, ArrayLike] | None = None,
+) -> NDArray[np.float32]:
+    """Unit normals (N, 3) of surfaces moved by a height d along their unit normals.
+
+    n' = p'_u x p'_v of p' = p + d n (Blinn, SIGGRAPH 1978). ``p_u`` and ``p_v`` (N, 3) are the surface's
+    derivatives, ``slopes`` (N, 2) those of d by u and v; ``curvature`` is (d (N, 1), n_u (N, 3), n_v (N, 3)), or
+    None to leave out the terms d n_u and d n_v.
+
+    Examples
+    --------
+    >>> import multum as mt
+    >>> mt.light.bumped_normals([[1, 0, 0]], [[0, 1, 0]], [[0, 0, 1]], [[0.75, 0]]).round(6).tolist()
+    [[-0.6000000238418579, 0.0, 0.800000011920929]]
+    """
+
+    def rows(values: ArrayLike) -> NDArray[np.float32]:
+        return np.asarray(values, np.float32)
+
+    d, n_u, n_v = (None, None, None) if curvature is None else (rows(part) for part in curvature)
+    return _multum.bumped_normals(rows(p_u), rows(p_v), rows(normals), rows(slopes), d, n_u, n_v)
 
 
 def _vector(name: str, value: ArrayLike, spread: bool = False) -> _Vector:

@@ -12,8 +12,7 @@ use crate::mesh::{
     AlphaMode, Blend, ImageSource, Layer, Light, Material, Mesh, Model, NormalSpace, TextureSlot,
 };
 use crate::render::{Debug, Options, Picture, ShadowOptions, TextureUse, View, render as draw};
-use crate::shade::{Environment, EnvironmentOptions, Ray, bumped};
-use crate::warp::panorama::Form;
+use crate::shade::{Environment, EnvironmentOptions, Ray, SkyForm, bumped};
 use crate::wrap::Wrap;
 use glam::{DMat3, DVec3, Vec3};
 use pyo3::prelude::*;
@@ -276,11 +275,11 @@ impl PyEnvironment {
         intensity: f32,
     ) -> PyResult<Self> {
         let (shape, follows_eye) = match form {
-            "equirect" => (Form::Equirect, false),
-            "cube" => (Form::Cube(Layout::parse("layout", layout)?), false),
-            "probe" => (Form::LightProbe, false),
-            "mirror_ball" => (Form::MirrorBall, false),
-            "sphere_map" => (Form::MirrorBall, true),
+            "equirect" => (SkyForm::Equirect, false),
+            "cube" => (SkyForm::Cube(Layout::parse("layout", layout)?), false),
+            "probe" => (SkyForm::LightProbe, false),
+            "mirror_ball" => (SkyForm::MirrorBall, false),
+            "sphere_map" => (SkyForm::MirrorBall, true),
             _ => {
                 let expected = "\"equirect\", \"cube\", \"probe\", \"mirror_ball\" or \"sphere_map\"";
                 return Err(Error::value("form", format!("{form:?}"), expected).into());

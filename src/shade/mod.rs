@@ -22,7 +22,7 @@ mod shadow;
 
 pub use blend::{blend, over};
 pub use bump::bumped;
-pub use environment::{Environment, EnvironmentOptions, Harmonics, Ray};
+pub use environment::{Environment, EnvironmentOptions, Harmonics, Ray, SkyForm};
 pub use normal::{tangent_normal, toksvig};
 pub use phong::{Lights, Phong};
 pub use shadow::{DepthMap, Receiver};

@@ -13,6 +13,7 @@
 //! antialiased shadows with depth maps", SIGGRAPH 1987 (percentage-closer filtering).
 
 use crate::filter::{Query, passing};
+use crate::footprint::Bend;
 use crate::jacobian::Jacobian;
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
@@ -79,7 +80,7 @@ impl DepthMap {
         let footprint = at_least(jacobian, softness);
         let wide = footprint.axes().sigma2.max(1.0);
         let bias = ROUNDING + 0.5 * wide * (plane.x.abs() + plane.y.abs());
-        let query = Query { s: place.x, t: place.y, jacobian_tx: footprint, index: 0 };
+        let query = Query { s: place.x, t: place.y, jacobian_tx: footprint, index: 0, bend: Bend::None };
         passing(&query, |i, j| {
             let inside = (0..self.width as i64).contains(&i) && (0..height as i64).contains(&j);
             if !inside {

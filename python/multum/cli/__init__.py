@@ -5,9 +5,9 @@ import sys
 from collections.abc import Sequence
 
 from .. import __version__
-from . import bake, chart, demo, gallery, info, panorama, resize, warp
+from . import bake, chart, demo, gallery, info, panorama, render, resize, warp
 
-_COMMANDS = (demo, warp, resize, panorama, info, bake, chart, gallery)
+_COMMANDS = (demo, warp, resize, panorama, info, render, bake, chart, gallery)
 
 _DESCRIPTION = """\
 Texture sampling and filtering on the CPU.
@@ -17,6 +17,7 @@ Texture sampling and filtering on the CPU.
   multum resize photo.jpg small.png --scale 0.25 --encoding srgb
   multum warp page.jpg flat.png --corners 90,40 610,80 640,900 60,860 --size 600x850
   multum panorama sky.hdr cross.hdr --to cube
+  multum render model.glb -o view.png --size 1920x1080
   multum bake high.obj --simplify 0.01 --size 1024 -o out/
   multum gallery                           every mapping function, drawn on five shapes
   multum chart --quick                     speed against accuracy of all filters, on this machine

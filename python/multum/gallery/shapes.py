@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import mapping
-from .._mesh import Camera, Mesh
+from .._camera import Camera
+from .._mesh import Mesh
 from .._raster import Fragments, rasterize
 
 Array = NDArray[np.float64]

@@ -15,11 +15,12 @@ mod prefilter;
 
 use crate::encode::Encoding;
 use crate::error::{Error, Result};
-use crate::filter::{Filter, Query};
+use crate::filter::Filter;
 use crate::image::{AnyView, View};
-use crate::sampler::Sampler;
-use crate::warp::WarpOptions;
-use crate::warp::panorama::{Form, Source};
+use crate::mapping::{Layout, LightProbe, Mapping, MirrorBall, SurfacePoint};
+use crate::sampler::{Extent, Sampler};
+use crate::sphere::{SphereTexture, Spread};
+use crate::texture::{Texture, TextureOptions};
 use glam::{DMat3, DVec3, Vec3};
 
 pub use harmonics::Harmonics;
@@ -65,11 +66,31 @@ impl Ray {
     }
 }
 
+/// How a picture holds directions.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum SkyForm {
+    /// Longitude and latitude.
+    #[default]
+    Equirect,
+    /// Six faces in one picture.
+    Cube(Layout),
+    /// The angular map: a light probe.
+    LightProbe,
+    /// The photograph of a mirror ball.
+    MirrorBall,
+}
+
+/// A picture and the way to it.
+enum Sky {
+    Sphere(SphereTexture),
+    Disc(Texture<'static>, Box<dyn Mapping>),
+}
+
 /// Light from all sides.
 pub struct Environment {
-    mirror: Source<'static>,
+    mirror: Sky,
     /// One for each of [`prefilter::EXPONENTS`].
-    blurred: Vec<Source<'static>>,
+    blurred: Vec<Sky>,
     harmonics: Harmonics,
     turn: DMat3,
     follows_eye: bool,
@@ -86,9 +107,9 @@ impl std::fmt::Debug for Environment {
 #[derive(Clone, Copy, Debug)]
 pub struct EnvironmentOptions {
     /// How the picture holds directions.
-    pub form: Form,
+    pub form: SkyForm,
     /// Whether directions are those of the eye's own space rather than of the scene: OpenGL's sphere map is a
-    /// [`Form::MirrorBall`] that does.
+    /// [`SkyForm::MirrorBall`] that does.
     pub follows_eye: bool,
     /// What the picture's codes mean.
     pub encoding: Encoding,
@@ -101,7 +122,7 @@ pub struct EnvironmentOptions {
 impl Default for EnvironmentOptions {
     fn default() -> Self {
         Self {
-            form: Form::Equirect,
+            form: SkyForm::Equirect,
             follows_eye: false,
             encoding: Encoding::Linear,
             yaw_rad: 0.0,
@@ -129,8 +150,13 @@ impl Environment {
         if !(options.intensity >= 0.0 && options.intensity.is_finite()) {
             return Err(Error::value("intensity", options.intensity, "a finite number, not negative"));
         }
-        let warp = WarpOptions { encoding: options.encoding, ..WarpOptions::default() };
-        let mirror = Source::owned(image, options.form, &warp)?;
+        let texture = TextureOptions { encoding: options.encoding, ..TextureOptions::default() };
+        let mirror = match options.form {
+            SkyForm::Equirect => Sky::Sphere(SphereTexture::equirect(image, texture)?),
+            SkyForm::Cube(layout) => Sky::Sphere(SphereTexture::cube(image, layout, texture)?),
+            SkyForm::LightProbe => Sky::Disc(Texture::new(image, texture)?, Box::new(LightProbe)),
+            SkyForm::MirrorBall => Sky::Disc(Texture::new(image, texture)?, Box::new(MirrorBall)),
+        };
         let mut made = Self {
             mirror,
             blurred: Vec::new(),
@@ -153,7 +179,7 @@ impl Environment {
             }
             let texels = prefilter::lobe(&light, rows, p)?;
             let view = View::new(texels.as_flattened(), 2 * rows, rows, 3, 6 * rows)?;
-            made.blurred.push(Source::owned(view.into(), Form::Equirect, &WarpOptions::default())?);
+            made.blurred.push(Sky::Sphere(SphereTexture::equirect(view.into(), TextureOptions::default())?));
         }
         Ok(made)
     }
@@ -217,27 +243,38 @@ impl Environment {
     }
 }
 
-/// The light along rays in the frame of the source.
-fn look(source: &Source<'_>, rays: &[Ray], sampler: &Sampler) -> Result<Vec<[f32; 3]>> {
-    let queries: Vec<(usize, Query)> = rays.iter().map(|r| source.query(r.direction, r.moving)).collect();
-    let mut out = vec![[0f32; 3]; rays.len()];
-    for (k, texture) in source.textures().iter().enumerate() {
-        let own: Vec<usize> = (0..rays.len()).filter(|&i| queries[i].0 == k).collect();
-        let channels = texture.channels();
-        let mut values = vec![0f32; own.len() * channels];
-        sampler.sample_places(texture, own.len(), &|i| (queries[own[i]].1, None), &mut values)?;
-        for (i, texel) in own.into_iter().zip(values.chunks_exact(channels)) {
-            out[i] = if let [r, g, b, ..] = *texel { [r, g, b] } else { [texel[0]; 3] };
+/// The light along rays in the frame of the picture.
+fn look(sky: &Sky, rays: &[Ray], sampler: &Sampler) -> Result<Vec<[f32; 3]>> {
+    let (channels, values) = match sky {
+        Sky::Sphere(sphere) => {
+            let directions: Vec<f64> = rays.iter().flat_map(|r| r.direction.to_array()).collect();
+            let [x, y] =
+                [0, 1].map(|k| rays.iter().flat_map(|r| r.moving[k].to_array()).collect::<Vec<f64>>());
+            let mut values = vec![0f32; rays.len() * sphere.channels()];
+            sphere.sample(sampler, &directions, Spread::Tangents(&x, &y), &mut values)?;
+            (sphere.channels(), values)
         }
-    }
-    Ok(out)
+        Sky::Disc(texture, map) => {
+            let (mut uv, mut jacobian) = (Vec::new(), Vec::new());
+            for ray in rays {
+                let at = map.at(&SurfacePoint::new(ray.direction).moving(ray.moving[0], ray.moving[1]));
+                uv.extend(at.uv.to_array());
+                jacobian.extend(at.jacobian.m.as_flattened());
+            }
+            let mut values = vec![0f32; rays.len() * texture.channels()];
+            sampler.sample(texture, &uv, Extent::Jacobian(&jacobian), &mut values)?;
+            (texture.channels(), values)
+        }
+    };
+    let color = |texel: &[f32]| if let [r, g, b, ..] = *texel { [r, g, b] } else { [texel[0]; 3] };
+    Ok(values.chunks_exact(channels).map(color).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn constant(form: Form, width: usize, height: usize) -> Environment {
+    fn constant(form: SkyForm, width: usize, height: usize) -> Environment {
         let data = vec![0.75f32; width * height * 3];
         let view = View::new(&data, width, height, 3, 3 * width).expect("a view");
         Environment::new(view.into(), &EnvironmentOptions { form, ..Default::default() }).expect("fits")
@@ -245,12 +282,11 @@ mod tests {
 
     #[test]
     fn a_constant_sky_is_that_constant_for_every_form_and_lobe() {
-        use crate::mapping::Layout;
         let forms = [
-            (Form::Equirect, 64, 32),
-            (Form::Cube(Layout::Strip), 96, 16),
-            (Form::LightProbe, 48, 48),
-            (Form::MirrorBall, 48, 48),
+            (SkyForm::Equirect, 64, 32),
+            (SkyForm::Cube(Layout::Strip), 96, 16),
+            (SkyForm::LightProbe, 48, 48),
+            (SkyForm::MirrorBall, 48, 48),
         ];
         for (form, w, h) in forms {
             let sky = constant(form, w, h);
