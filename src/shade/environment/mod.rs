@@ -83,7 +83,7 @@ pub enum SkyForm {
 /// A picture and the way to it.
 enum Sky {
     Sphere(SphereTexture),
-    Disc(Texture<'static>, Box<dyn Mapping>),
+    Disc(Box<Texture<'static>>, Box<dyn Mapping>),
 }
 
 /// Light from all sides.
@@ -154,8 +154,8 @@ impl Environment {
         let mirror = match options.form {
             SkyForm::Equirect => Sky::Sphere(SphereTexture::equirect(image, texture)?),
             SkyForm::Cube(layout) => Sky::Sphere(SphereTexture::cube(image, layout, texture)?),
-            SkyForm::LightProbe => Sky::Disc(Texture::new(image, texture)?, Box::new(LightProbe)),
-            SkyForm::MirrorBall => Sky::Disc(Texture::new(image, texture)?, Box::new(MirrorBall)),
+            SkyForm::LightProbe => Sky::Disc(Box::new(Texture::new(image, texture)?), Box::new(LightProbe)),
+            SkyForm::MirrorBall => Sky::Disc(Box::new(Texture::new(image, texture)?), Box::new(MirrorBall)),
         };
         let mut made = Self {
             mirror,
