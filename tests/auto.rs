@@ -20,8 +20,11 @@ impl Random {
 
 const TOLERANCES: [f64; 6] = [0.1, 1.0 / 16.0, 1.0 / 64.0, 1.0 / 255.0, 1.0 / 2048.0, 1.0 / 65535.0];
 
-/// Pictures that are hard in different ways, 0 to 1.
-fn pictures() -> Vec<(&'static str, fn(i64, i64, f64) -> f64)> {
+/// From a place and a random number to a value of 0 to 1.
+type Picture = fn(i64, i64, f64) -> f64;
+
+/// Pictures that are hard in different ways.
+fn pictures() -> Vec<(&'static str, Picture)> {
     vec![
         ("checker", |x, y, _| ((x + y) & 1) as f64),
         ("squares", |x, y, _| (((x >> 3) + (y >> 3)) & 1) as f64),

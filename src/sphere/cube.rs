@@ -142,6 +142,13 @@ impl Box6 {
         }
     }
 
+    /// The look-up of a mipmap filter on a level of detail.
+    pub fn level(&self, sampler: &Sampler, d: DVec3, lod: f32, looks: &mut Vec<Look>) {
+        let lod = lod::clamp(lod, self.last_level);
+        let nearest = sampler.filter == Filter::LinearMipmapNearest;
+        self.probe(d, if nearest { lod::nearest(lod) as f32 } else { lod }, 1.0, looks);
+    }
+
     /// A trilinear probe of weight `weight`.
     fn probe(&self, d: DVec3, lod: f32, weight: f64, looks: &mut Vec<Look>) {
         let Some(spot) = self.spot(d, [DVec3::ZERO; 2]) else { return looks.push(NOWHERE) };

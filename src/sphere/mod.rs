@@ -44,7 +44,7 @@ pub enum Spread<'a, U> {
     /// What one pixel right and one pixel down add to the direction, three numbers a sample each.
     Tangents(&'a [U], &'a [U]),
     /// One level of detail a sample: a square on the sphere, as wide as `2^lod` texels in the middle of a face
-    /// or on the equator.
+    /// or on the equator. The mipmap filters of a cube read that level on all of a face.
     Lod(&'a [f32]),
 }
 
@@ -219,10 +219,7 @@ impl SphereTexture {
                     Spread::Tangents(x, y) => {
                         self.plan(&sampler, d, [vector(x, i), vector(y, i)], &mut looks);
                     }
-                    Spread::Lod(lod) => {
-                        let dd = self.square(d, f64::from(lod[i]));
-                        self.plan(&sampler, d, dd, &mut looks);
-                    }
+                    Spread::Lod(lod) => self.plan_level(&sampler, d, lod[i], &mut looks),
                 }
                 ends.push(looks.len());
             }
@@ -241,6 +238,19 @@ impl SphereTexture {
         match &self.0 {
             Kind::Equirect(globe) => globe.plan(sampler, d, dd, looks),
             Kind::Cube(cube) => cube.plan(sampler, d, dd, looks),
+        }
+    }
+
+    /// The look-ups of one sample with a level of detail: of a cube's mipmap filters that level itself, which is the same
+    /// on both sides of an edge; else those of a square.
+    fn plan_level(&self, sampler: &Sampler, d: DVec3, lod: f32, looks: &mut Vec<Look>) {
+        let mipmap = matches!(sampler.filter, Filter::Trilinear | Filter::LinearMipmapNearest);
+        match &self.0 {
+            Kind::Cube(cube) if mipmap => match unit(d, [DVec3::ZERO; 2]) {
+                Some((d, _)) => cube.level(sampler, d, lod + sampler.lod_bias, looks),
+                None => looks.push(NOWHERE),
+            },
+            _ => self.plan(sampler, d, self.square(d, f64::from(lod)), looks),
         }
     }
 

@@ -79,8 +79,6 @@ fn code_table(encoding: Encoding, dtype: DType) -> Option<&'static [f32]> {
 
 /// How one texture's codes are read; two types, so that the common case has no branches.
 pub(crate) trait Decode<T: Texel>: Copy + Sync {
-    /// Whether averages of codes are what is averaged.
-    const PLAIN: bool;
     /// A texel's codes as numbers to average.
     fn texel(&self, codes: [T; 4]) -> [T::Real; 4];
     /// Two texels' codes as singles to average.
@@ -109,8 +107,6 @@ pub(crate) struct Plain {
 }
 
 impl<T: Texel> Decode<T> for Plain {
-    const PLAIN: bool = true;
-
     #[inline(always)]
     fn texel(&self, codes: [T; 4]) -> [T::Real; 4] {
         [codes[0].to_real(), codes[1].to_real(), codes[2].to_real(), codes[3].to_real()]
@@ -142,8 +138,6 @@ impl<T: Texel> Decode<T> for Plain {
 
 /// Any code: tables for integers, alpha products.
 impl<T: Texel> Decode<T> for Decoder {
-    const PLAIN: bool = false;
-
     #[inline(always)]
     fn texel(&self, codes: [T; 4]) -> [T::Real; 4] {
         let mut values = [T::Real::ZERO; 4];
