@@ -16,7 +16,7 @@ class Environment:
 
     Parameters
     ----------
-    image : array, shape (H, W) or (H, W, C)
+    image : array, shape (H, W) or (H, W, C), or (6, n, n, C) for the faces of a cube
         One, three or four channels, the fourth not read. The middle of a panorama is what a camera sees that looks
         along -z, with y up.
     form : str
@@ -55,8 +55,11 @@ class Environment:
         rotation: float = 0.0,
         intensity: float = 1.0,
     ) -> None:
+        pixels = np.asarray(image)
+        if name("form", form) == "cube" and pixels.ndim == 4 and pixels.shape[0] == 6:
+            pixels, layout = pixels.reshape(-1, *pixels.shape[2:]), "stacked"
         self._native = _multum.Environment(
-            np.asarray(image),
+            pixels,
             name("form", form),
             name("layout", layout),
             name("encoding", encoding),

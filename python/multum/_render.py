@@ -198,10 +198,10 @@ def render(
     if environment is not None and not isinstance(environment, Environment):
         raise TypeError(f"environment: got {environment!r}, expected an Environment")
     behind = isinstance(background, str)
-    if behind and (background != "environment" or environment is None):
-        raise ValueError(
-            f"background: got {background!r}, expected numbers, or 'environment' where there is one"
-        )
+    if behind and background != "environment":
+        raise TypeError(f"background: got {background!r}, expected numbers or 'environment'")
+    if behind and environment is None:
+        raise ValueError("background: got 'environment', expected numbers where there is no environment")
     picture, _ = _drawing(scene).render(
         scene._texture_store(),
         _camera(scene, camera)._native,
