@@ -58,6 +58,17 @@ pub trait Real:
     fn from_f64(x: f64) -> Self;
     /// The value as a double, exactly.
     fn to_f64(self) -> f64;
+    /// The slice, tagged with its type.
+    fn tagged(slice: &mut [Self]) -> RealsMut<'_>;
+}
+
+/// Numbers to be written, in either precision. Work that takes them so is compiled once, in this crate, and not anew in
+/// each crate that calls it.
+pub enum RealsMut<'a> {
+    /// In single precision.
+    F32(&'a mut [f32]),
+    /// In double precision.
+    F64(&'a mut [f64]),
 }
 
 impl Real for f32 {
@@ -71,6 +82,9 @@ impl Real for f32 {
     fn to_f64(self) -> f64 {
         f64::from(self)
     }
+    fn tagged(slice: &mut [Self]) -> RealsMut<'_> {
+        RealsMut::F32(slice)
+    }
 }
 
 impl Real for f64 {
@@ -83,6 +97,9 @@ impl Real for f64 {
     #[inline(always)]
     fn to_f64(self) -> f64 {
         self
+    }
+    fn tagged(slice: &mut [Self]) -> RealsMut<'_> {
+        RealsMut::F64(slice)
     }
 }
 
