@@ -31,7 +31,6 @@ lint: $(VENV)/.test
 	@echo "== formatting, lints, documentation and types"
 	cargo fmt --check
 	cargo check --quiet --lib --no-default-features
-	cargo clippy --all-targets -- -D warnings
 	PYO3_PYTHON=$(CURDIR)/$(BIN)/python cargo clippy --all-targets --features python -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps
 	$(BIN)/ruff format --check python tests/python examples/python

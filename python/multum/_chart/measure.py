@@ -15,7 +15,7 @@ from .truth import cut
 _AT_LEAST = 0.004
 """Seconds that a round gives a method; quick ones run several times."""
 _ENOUGH = 1.0
-"""Seconds after which two calls are enough."""
+"""Seconds after which no more calls are made."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ def contest(
         ready.append((method, run, [first] if first > _ENOUGH else []))
     for _ in range(rounds):
         for _, run, times in ready:
-            if len(times) >= 2 and sum(times) > _ENOUGH:
+            if sum(times) > _ENOUGH:
                 continue
             _round(run, times)
     for (method, run, times), (rms, worst) in zip(ready, judged, strict=True):

@@ -122,7 +122,9 @@ def _barrel(ab: Floats) -> Floats:
 
 
 def _cylinder(ab: Floats) -> Floats:
-    return np.column_stack([0.5 + np.arcsin(0.995 * ab[:, 0]) / 1.4, 0.5 + 0.6 * ab[:, 1]])
+    return np.column_stack(
+        [0.5 + np.arcsin(np.clip(0.995 * ab[:, 0], -1.0, 1.0)) / 1.4, 0.5 + 0.6 * ab[:, 1]]
+    )
 
 
 def _longitude_latitude(direction: Floats) -> Floats:

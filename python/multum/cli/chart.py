@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> None:
             view=options.view,
             side=options.side,
             rounds=options.rounds,
-            patience=10.0,
+            patience=1.0 if options.quick else 4.0,
             tell=bar.step,
         )
     print("; ".join(f"{k}: {v}" for k, v in made.about.items()), end="\n\n")
