@@ -35,27 +35,30 @@ pub struct Detail {
 }
 
 impl Detail {
-    /// Cells of levels of these sizes; `texel(l, x, y)` is a texel of level `l` from -1 to one beyond the last, wrapped.
+    /// Cells of levels of these sizes; `row(l, y, out)` gives the texels of row `y` of level `l`, wrapped, from column -1 to
+    /// one beyond the last; `y` is as far outside as these.
     ///
     /// # Errors
     /// [`crate::Error::Interrupted`].
     pub fn new(
         sizes: &[[usize; 2]],
         wrap: [Wrap; 2],
-        texel: impl Fn(usize, i64, i64) -> [f64; 4] + Sync,
+        row: impl Fn(usize, i64, &mut [[f32; 4]]) + Sync,
     ) -> Result<Self> {
         let mut grids: Vec<Grid> = Vec::with_capacity(sizes.len());
         for (level, &[w, h]) in sizes.iter().enumerate() {
             let [columns, rows] = [w, h].map(|n| n.div_ceil(CELL));
             let mut variance = vec![0.0f32; columns * rows];
             let finer = grids.last();
-            let coarser = sizes.get(level + 1).copied();
-            par::for_each(variance.chunks_mut(columns), |j, row| {
-                for (i, cell) in row.iter_mut().enumerate() {
+            let lack = sizes.get(level + 1).map(|coarse| Lack::new(level, [w, h], *coarse));
+            par::for_each(variance.chunks_mut(columns), |j, cells| {
+                if let Some(lack) = &lack {
+                    lack.cells(&row, j, cells);
+                }
+                for (i, cell) in cells.iter_mut().enumerate() {
                     let lost = finer.map_or(0.0, |g| 0.25 * mean(g, [i, j], [columns, rows]));
-                    let delta = coarser.map_or(0.0, |size| delta(level, [w, h], size, [i, j], &texel));
                     // What is not finite needs all the care there is.
-                    let sum = lost + delta;
+                    let sum = lost + f64::from(*cell);
                     *cell = if sum.is_finite() { sum as f32 } else { f32::MAX };
                 }
                 Ok(())
@@ -116,55 +119,78 @@ fn mean(fine: &Grid, cell: [usize; 2], size: [usize; 2]) -> f64 {
     sum / ((x1 - x0) * (y1 - y0)) as f64
 }
 
-/// The mean squared difference of a cell's texels from the next level, the largest of the channels.
-fn delta(
+/// What a level has that the next one lacks.
+struct Lack {
     level: usize,
-    [w, h]: [usize; 2],
+    size: [usize; 2],
     coarse: [usize; 2],
-    cell: [usize; 2],
-    texel: &impl Fn(usize, i64, i64) -> [f64; 4],
-) -> f64 {
-    let scale = [coarse[0] as f64 / w as f64, coarse[1] as f64 / h as f64];
-    // As many texels from one end as from the other: a mirrored texture has the mirrored table.
-    let span = |k: usize, n: usize| {
-        let cells = n.div_ceil(CELL);
-        (k * n / cells) as i64..((k + 1) * n).div_ceil(cells) as i64
-    };
-    let place = |k: i64, axis: usize| {
-        let x = (k as f64 + 0.5) * scale[axis] - 0.5;
-        (floor(x), x - floor(x) as f64)
-    };
-    // The coarser texels around the cell, once.
-    let corner = [0, 1].map(|axis| place(span(cell[axis], [w, h][axis]).start, axis).0);
-    const AROUND: usize = CELL + 4;
-    let reach: [usize; 2] = [0, 1].map(|axis| {
-        let last = span(cell[axis], [w, h][axis]).end - 1;
-        ((place(last, axis).0 + 1 - corner[axis]).max(0) as usize + 1).min(AROUND)
-    });
-    let mut around = [[[0.0f64; 4]; AROUND]; AROUND];
-    for (y, row) in around.iter_mut().enumerate().take(reach[1]) {
-        for (x, slot) in row.iter_mut().enumerate().take(reach[0]) {
-            *slot = texel(level + 1, corner[0] + x as i64, corner[1] + y as i64);
-        }
+    /// For each column: the coarser texel left of it, counted from the one before the first, and how far it is on the way to
+    /// the next.
+    columns: Vec<(u32, f32)>,
+}
+
+impl Lack {
+    fn new(level: usize, size: [usize; 2], coarse: [usize; 2]) -> Self {
+        let columns = (0..size[0]).map(|x| {
+            let (i, part) = between(x, size[0], coarse[0]);
+            ((i + 1) as u32, part)
+        });
+        Self { level, size, coarse, columns: columns.collect() }
     }
-    let mut sum = [0.0; 4];
-    let mut count = 0.0;
-    for y in span(cell[1], h) {
-        let (j, fy) = place(y, 1);
-        let j = (j - corner[1]) as usize;
-        for x in span(cell[0], w) {
-            let (i, fx) = place(x, 0);
-            let i = (i - corner[0]) as usize;
-            let fine = texel(level, x, y);
-            count += 1.0;
-            for c in 0..4 {
-                let line = |j: usize| around[j][i][c] + fx * (around[j][i + 1][c] - around[j][i][c]);
-                let off = fine[c] - (line(j) + fy * (line(j + 1) - line(j)));
-                sum[c] += off * off;
+
+    /// The mean squared differences of a row of cells, the largest of the channels.
+    fn cells(&self, row: &impl Fn(usize, i64, &mut [[f32; 4]]), j: usize, cells: &mut [f32]) {
+        let [w, h] = self.size;
+        let mut fine = vec![[0.0; 4]; w + 2];
+        let [mut above, mut below, mut middle] = [0; 3].map(|_| vec![[0.0f32; 4]; self.coarse[0] + 2]);
+        let mut squares = vec![[0.0f32; 4]; w];
+        let mut held = None;
+        for y in span(j, h) {
+            let (i, part) = between(y, h, self.coarse[1]);
+            if held != Some(i) {
+                row(self.level + 1, i, &mut above);
+                row(self.level + 1, i + 1, &mut below);
+                held = Some(i);
+            }
+            row(self.level, y as i64, &mut fine);
+            for ((middle, above), below) in middle.iter_mut().zip(&above).zip(&below) {
+                for c in 0..4 {
+                    middle[c] = above[c] + part * (below[c] - above[c]);
+                }
+            }
+            for ((sum, fine), (i, part)) in squares.iter_mut().zip(&fine[1..]).zip(&self.columns) {
+                let (left, right) = (middle[*i as usize], middle[*i as usize + 1]);
+                for c in 0..4 {
+                    let off = fine[c] - (left[c] + part * (right[c] - left[c]));
+                    sum[c] += off * off;
+                }
             }
         }
+        for (i, cell) in cells.iter_mut().enumerate() {
+            let columns = span(i, w);
+            let count = (columns.len() * span(j, h).len()) as f32;
+            let mut sum = [0.0f32; 4];
+            for square in &squares[columns] {
+                for c in 0..4 {
+                    sum[c] += square[c];
+                }
+            }
+            // What is no number is the largest.
+            *cell = sum.into_iter().fold(0.0, |a: f32, s| if s <= a { a } else { s }) / count;
+        }
     }
-    sum.into_iter().fold(0.0, |a: f64, s| if s <= a { a } else { s }) / count
+}
+
+/// The texels of cell `k` among `n`. As many from one end as from the other: a mirrored texture has the mirrored table.
+fn span(k: usize, n: usize) -> std::ops::Range<usize> {
+    let cells = n.div_ceil(CELL);
+    k * n / cells..((k + 1) * n).div_ceil(cells)
+}
+
+/// Texel `k` of `n` among `coarse` ones: the one before it, from -1 on, and how far it is on the way to the next.
+fn between(k: usize, n: usize, coarse: usize) -> (i64, f32) {
+    let x = (k as f64 + 0.5) * (coarse as f64 / n as f64) - 0.5;
+    (floor(x), (x - floor(x) as f64) as f32)
 }
 
 #[cfg(test)]
@@ -174,12 +200,14 @@ mod tests {
     #[test]
     fn flat_is_nothing_and_noise_is_its_variance() {
         let sizes = [[64, 64], [32, 32], [16, 16], [8, 8], [4, 4], [2, 2], [1, 1]];
-        let flat = Detail::new(&sizes, [Wrap::Repeat; 2], |_, _, _| [3.0; 4]).expect("no interruption");
+        let flat = Detail::new(&sizes, [Wrap::Repeat; 2], |_, _, out| out.fill([3.0; 4]));
+        let flat = flat.expect("no interruption");
         assert_eq!(flat.at(2, 10.0, 60.0), 0.0);
         // A checker of single texels: level 1 is grey, and each texel is one away from it.
-        let checker = |l: usize, x: i64, y: i64| {
-            let value = if l == 0 { ((x + y) & 1) as f64 * 2.0 } else { 1.0 };
-            [value, 0.0, 0.0, 0.0]
+        let checker = |l: usize, y: i64, out: &mut [[f32; 4]]| {
+            for (x, texel) in (-1..).zip(out) {
+                *texel = [if l == 0 { ((x + y) & 1) as f32 * 2.0 } else { 1.0 }, 0.0, 0.0, 0.0];
+            }
         };
         let made = Detail::new(&sizes, [Wrap::Repeat; 2], checker).expect("no interruption");
         for level in 0..6 {

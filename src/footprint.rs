@@ -73,6 +73,23 @@ impl Bend {
         }
     }
 
+    /// A bound on how far a corner, or the middle of a side, is from where the straight map has it; `longest` is the length
+    /// of the longer column of the Jacobian.
+    #[inline(always)]
+    fn most(&self, longest: f64) -> f64 {
+        match self {
+            Self::None => 0.0,
+            Self::Perspective([g, h]) => {
+                let most = 0.5 * (g.abs() + h.abs());
+                if most < 1.0 { longest * most / (1.0 - most) } else { f64::INFINITY }
+            }
+            Self::Curved(h) => {
+                let along = |[xx, xy, yy]: [f64; 3]| 0.125 * (xx.abs() + yy.abs()) + 0.25 * xy.abs();
+                along(h[0]) + along(h[1])
+            }
+        }
+    }
+
     /// Into how many parts along x and y the pixel is cut, so that none is off by more than a twelfth of the width of
     /// the footprint: (1, 1) for straight maps.
     #[inline]
@@ -85,13 +102,16 @@ impl Bend {
 
     fn cut(&self, jacobian: Jacobian) -> [u32; 2] {
         let [[a, b], [c, d]] = jacobian.m;
-        let longest = a.hypot(c).max(b.hypot(d));
+        let longest = (a * a + c * c).max(b * b + d * d).sqrt();
         let height = jacobian.det().abs() / longest;
         if !(longest.is_finite() && height > 0.0) || longest <= 1.0 {
             // Interpolated, or beyond all shape.
             return [1, 1];
         }
         let width = height.max(1.0).max(longest / 64.0);
+        if 2.0 * self.most(longest) <= width * OFF {
+            return [1, 1];
+        }
         let off = |d: [f64; 2]| {
             let (bent, straight) = (self.offset(jacobian, d), Self::None.offset(jacobian, d));
             let off = (bent[0] - straight[0]).hypot(bent[1] - straight[1]);
@@ -162,6 +182,23 @@ mod tests {
             let (got, there) = (bend.offset(j, d), place(d[0], d[1]));
             for axis in 0..2 {
                 assert!((here[axis] + got[axis] - there[axis]).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn no_corner_is_further_off_than_the_bound() {
+        let at = [0.5, 0.0, -0.5];
+        for bend in [
+            Bend::Perspective([0.2, -0.3]),
+            Bend::Perspective([-0.9, 0.4]),
+            Bend::Curved([[0.3, -0.1, 0.2], [0.05, 0.4, -0.2]]),
+        ] {
+            let longest = (3.0f64 * 3.0 + 0.25).sqrt().max((1.0f64 + 16.0).sqrt());
+            for d in at.iter().flat_map(|x| at.iter().map(move |y| [*x, *y])) {
+                let (bent, straight) = (bend.offset(J, d), Bend::None.offset(J, d));
+                let off = (bent[0] - straight[0]).hypot(bent[1] - straight[1]);
+                assert!(off <= bend.most(longest), "{bend:?} at {d:?}: {off}");
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::Sampler;
 use super::finish::{Codes, Finish, Results, Slots};
-use super::places::{Each, Fill, Places};
+use super::places::Places;
 use crate::error::Result;
 use crate::filter::{BLOCK, Block, Probes, Query, Reader, Samples, Scratch};
 use crate::image::Element;
@@ -43,7 +43,7 @@ impl Sampler {
         &self,
         texture: &Texture<'_>,
         samples: usize,
-        places: &dyn Fill,
+        places: &dyn Places,
         out: RealsMut<'_>,
     ) -> Result<()> {
         match out {
@@ -57,18 +57,18 @@ impl Sampler {
         &self,
         texture: &Texture<'_>,
         samples: usize,
-        places: &Places<'_>,
+        places: &dyn Places,
         out: &mut [O],
     ) -> Result<()> {
         let codes = Codes { format: texture.format(), dtype: texture.dtype() };
-        self.typed(texture, samples, &Each(places), &codes, out)
+        self.typed(texture, samples, places, &codes, out)
     }
 
     fn typed<K, O: Copy + Send>(
         &self,
         texture: &Texture<'_>,
         samples: usize,
-        places: &dyn Fill,
+        places: &dyn Places,
         finish: &K,
         out: &mut [O],
     ) -> Result<()>
@@ -88,7 +88,7 @@ impl Sampler {
         &self,
         texture: &Texture<'_>,
         samples: usize,
-        places: &dyn Fill,
+        places: &dyn Places,
         finish: &K,
         out: &mut [O],
     ) -> Result<()> {
@@ -122,7 +122,7 @@ impl Sampler {
     fn averages<'r, T: Element, D: Decode<T>>(
         &self,
         r: &'r Reader<'_, T, D>,
-    ) -> impl FnMut(&dyn Fill, usize, &mut [[T::Real; 4]]) + use<'r, '_, T, D> {
+    ) -> impl FnMut(&dyn Places, usize, &mut [[T::Real; 4]]) + use<'r, '_, T, D> {
         let sampler = *self;
         let (mut samples, mut scratch) = (Samples::NONE, Scratch::NEW);
         let mut queries = [(Query::NOWHERE, None); BLOCK];

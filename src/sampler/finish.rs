@@ -1,6 +1,6 @@
 //! From averages to what the caller gets.
 
-use super::places::Fill;
+use super::places::Places;
 use crate::encode::{Encoding, Format, encode};
 use crate::filter::{BLOCK, Reader};
 use crate::image::Element;
@@ -20,8 +20,8 @@ impl<O: Copy> Slots<'_, O> {
     /// Block by block: places, then averages, then results.
     pub(super) fn fill<R: Real>(
         self,
-        places: &dyn Fill,
-        mut average: impl FnMut(&dyn Fill, usize, &mut [[R; 4]]),
+        places: &dyn Places,
+        mut average: impl FnMut(&dyn Places, usize, &mut [[R; 4]]),
         finish: impl Fn([R; 4]) -> [O; 4],
     ) {
         let mut averages = [[R::ZERO; 4]; BLOCK];

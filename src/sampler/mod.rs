@@ -17,7 +17,7 @@ use crate::image::Element;
 use crate::lod::LodRule;
 use crate::num::Real;
 use crate::texture::{Layers, Texture};
-use places::{Arrays, Each};
+use places::Arrays;
 
 /// A filter and its options.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -134,16 +134,15 @@ impl Sampler {
         Ok(samples)
     }
 
-    /// Samples at the places that `places(i)` names: a query in texels of level 0, and a level of detail
-    /// where it is given outright.
+    /// Samples at these places.
     pub(crate) fn sample_places<O: Real>(
         &self,
         texture: &Texture<'_>,
         samples: usize,
-        places: &Places<'_>,
+        places: &dyn Places,
         out: &mut [O],
     ) -> Result<()> {
-        self.fill(texture, samples, &Each(places), O::tagged(out))
+        self.fill(texture, samples, places, O::tagged(out))
     }
 
     /// The levels and tables that the filter reads. They are made here, on the calling thread, before work is handed out.

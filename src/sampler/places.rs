@@ -20,14 +20,13 @@ pub trait Coordinate: Copy + Into<f64> + Sync {}
 impl Coordinate for f32 {}
 impl Coordinate for f64 {}
 
-/// Where sample `i` lies and what it covers.
-pub(crate) type Places<'a> = dyn Fn(usize) -> (Query, Option<f32>) + Sync + 'a;
-
-/// Where a block of samples, from `first` on, lies and what each covers.
-pub(super) trait Fill: Sync {
+/// Where samples lie and what each covers. A function of a sample's number is one: a query in texels of level 0, and a
+/// level of detail where it is given outright.
+pub(crate) trait Places: Sync {
+    /// Those of a block of samples, from `first` on.
     fn fill(&self, first: usize, queries: &mut [(Query, Option<f32>)]);
 
-    /// The same, number by number.
+    /// The same, number by number, without what the Jacobian does not tell.
     fn fill_samples(&self, _isa: Isa, first: usize, count: usize, samples: &mut Samples) {
         let mut queries = [(Query::NOWHERE, None); BLOCK];
         self.fill(first, &mut queries[..count]);
@@ -37,13 +36,10 @@ pub(super) trait Fill: Sync {
     }
 }
 
-/// One by one.
-pub(super) struct Each<'a>(pub(super) &'a Places<'a>);
-
-impl Fill for Each<'_> {
+impl<F: Fn(usize) -> (Query, Option<f32>) + Sync> Places for F {
     fn fill(&self, first: usize, queries: &mut [(Query, Option<f32>)]) {
         for (index, slot) in (first..).zip(queries) {
-            let (query, lod) = self.0(index);
+            let (query, lod) = self(index);
             *slot = (Query { index: index as u64, ..query }.bounded(), lod);
         }
     }
@@ -56,7 +52,7 @@ pub(super) struct Arrays<'a, U> {
     pub(super) size: [f64; 2],
 }
 
-impl<U: Coordinate> Fill for Arrays<'_, U> {
+impl<U: Coordinate> Places for Arrays<'_, U> {
     fn fill(&self, first: usize, queries: &mut [(Query, Option<f32>)]) {
         let [w, h] = self.size;
         let uv = self.uv[2 * first..].chunks_exact(2);

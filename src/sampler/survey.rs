@@ -1,7 +1,7 @@
 //! What samples cost, without taking them.
 
 use super::Sampler;
-use super::places::{Arrays, Coordinate, Each, Extent, Fill, Places};
+use super::places::{Arrays, Coordinate, Extent, Places};
 use super::single::ease;
 use crate::error::Result;
 use crate::filter::{BLOCK, Effort, Query, Reader, effort};
@@ -25,20 +25,16 @@ impl Sampler {
     ) -> Result<Vec<Effort>> {
         let samples = self.fits(uv, extent)?;
         let size = [texture.width() as f64, texture.height() as f64];
-        self.survey_filled(texture, samples, &Arrays { uv, extent, size })
+        self.survey_places(texture, samples, &Arrays { uv, extent, size })
     }
 
-    /// As [`Sampler::survey`], at the places that `places(i)` names.
+    /// As [`Sampler::survey`], at these places.
     pub(crate) fn survey_places(
         &self,
         texture: &Texture<'_>,
         samples: usize,
-        places: &Places<'_>,
+        places: &dyn Places,
     ) -> Result<Vec<Effort>> {
-        self.survey_filled(texture, samples, &Each(places))
-    }
-
-    fn survey_filled(&self, texture: &Texture<'_>, samples: usize, places: &dyn Fill) -> Result<Vec<Effort>> {
         let mut out = crate::image::zeros::<f32>("out", 2 * samples)?;
         match texture.stored_dtype() {
             DType::U8 => self.efforts::<u8>(texture, places, &mut out),
@@ -51,7 +47,7 @@ impl Sampler {
     }
 
     /// Adds the cost of every group of channels; the level is that of the first.
-    fn efforts<T: Element>(&self, texture: &Texture<'_>, places: &dyn Fill, out: &mut [f32]) -> Result<()> {
+    fn efforts<T: Element>(&self, texture: &Texture<'_>, places: &dyn Places, out: &mut [f32]) -> Result<()> {
         for group in 0..texture.num_groups() {
             let layers = self.layers::<T>(texture, group)?;
             let isa = Isa::current();

@@ -431,9 +431,9 @@ impl<'a> Texture<'a> {
         let sizes: Vec<_> = layers.planes.iter().map(|p| [p.width as usize, p.height as usize]).collect();
         let made = if layers.decoder.is_plain() {
             let plain = Plain { full_scale: layers.decoder.full_scale };
-            Detail::new(&sizes, layers.wrap, texels(&layers, plain))?
+            Detail::new(&sizes, layers.wrap, rows(&layers, plain))?
         } else {
-            Detail::new(&sizes, layers.wrap, texels(&layers, layers.decoder))?
+            Detail::new(&sizes, layers.wrap, rows(&layers, layers.decoder))?
         };
         Ok(slot.get_or_init(|| made))
     }
@@ -464,6 +464,26 @@ fn texels<T: Element, D: Decode<T>>(
         match at {
             (Some(x), Some(y)) => decode.texel(plane.texel(x as i32, y as i32)).map(crate::num::Real::to_f64),
             _ => outside,
+        }
+    }
+}
+
+/// Rows of all levels from column -1 to one beyond the last, in singles as they are averaged.
+fn rows<T: Element, D: Decode<T>>(
+    layers: &Layers<'_, T>,
+    decode: D,
+) -> impl Fn(usize, i64, &mut [[f32; 4]]) + Sync {
+    let texel = texels(layers, decode);
+    move |level, y, out| {
+        let plane = &layers.planes[level];
+        let inside = plane.rows.0.into()..=i64::from(plane.rows.1);
+        let readable = if inside.contains(&y) { plane.columns } else { (0, -1) };
+        for (x, out) in (-1..).zip(out) {
+            *out = if x >= readable.0 && x <= readable.1 {
+                decode.texel(plane.texel(x, y as i32)).map(|v| crate::num::Real::to_f64(v) as f32)
+            } else {
+                texel(level, x.into(), y).map(|v| v as f32)
+            };
         }
     }
 }

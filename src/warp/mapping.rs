@@ -45,22 +45,17 @@ impl<'a, U> Maps<'a, U> {
 /// The mean of both differences, or the one that there is. Where one is over twice the other plus one
 /// pixel, the map jumps between these two pixels (a cut, a fold, the edge of a face), and the smaller of them
 /// is the derivative on this pixel's side. Differences of nearly whole periods are taken modulo the period.
-fn difference(before: f64, here: f64, after: f64, period: Option<f64>) -> f64 {
+#[inline(always)]
+pub(super) fn difference(before: f64, here: f64, after: f64, period: Option<f64>) -> f64 {
     let (back, forward) = (shortest(here - before, period), shortest(after - here, period));
-    match (back.is_finite(), forward.is_finite()) {
-        (true, true) => {
-            if back.abs() > 2.0 * forward.abs() + 1.0 {
-                forward
-            } else if forward.abs() > 2.0 * back.abs() + 1.0 {
-                back
-            } else {
-                0.5 * (back + forward)
-            }
-        }
-        (true, false) => back,
-        (false, true) => forward,
-        (false, false) => 0.0,
-    }
+    let (long_back, long_forward) =
+        (back.abs() > 2.0 * forward.abs() + 1.0, forward.abs() > 2.0 * back.abs() + 1.0);
+    let longer = if long_forward { back } else { 0.5 * (back + forward) };
+    let both = if long_back { forward } else { longer };
+    let other = if forward.is_finite() { forward } else { 0.0 };
+    let one = if back.is_finite() { back } else { other };
+    // Choices between numbers at hand, and no branches: so a loop over it becomes lanes.
+    if back.is_finite() & forward.is_finite() { both } else { one }
 }
 
 /// A difference without whole periods.
@@ -89,11 +84,12 @@ impl<U: Copy + Into<f64>> Maps<'_, U> {
         values[i * self.step].into()
     }
 
-    fn query(&self, column: usize, row: usize, width: usize, height: usize) -> Query {
+    /// The place of a pixel; with its `shape`, or without.
+    fn query(&self, [column, row]: [usize; 2], [width, height]: [usize; 2], shape: bool) -> Query {
         let i = row * width + column;
         let axis = |values: &[U], period| {
             let here = self.at(values, i);
-            let inner = column > 0 && column + 1 < width && row > 0 && row + 1 < height;
+            let inner = shape && column > 0 && column + 1 < width && row > 0 && row + 1 < height;
             let at = |exists: bool, i: usize| if exists { self.at(values, i) } else { f64::NAN };
             let left = at(column > 0, i.wrapping_sub(1));
             let right = at(column + 1 < width, i + 1);
@@ -116,7 +112,7 @@ impl<U: Copy + Into<f64>> Maps<'_, U> {
         let (y, dy, bend_y) = axis(self.y, self.period[1]);
         let bend = match (bend_x, bend_y) {
             (Some(x), Some(y)) => Bend::Curved([x, y]),
-            // At an edge of the map or beside a jump.
+            // Not asked for, at an edge of the map, or beside a jump.
             _ => Bend::None,
         };
         query_at(x, y, Jacobian::new([dx, dy]), bend)
@@ -168,9 +164,10 @@ impl Mapping<'_> {
         }
     }
 
-    /// Place and footprint of one output pixel.
-    pub(super) fn query(&self, column: usize, row: usize, width: usize, height: usize) -> Query {
-        let (x, y) = (column as f64, row as f64);
+    /// Place and footprint of one output pixel; maps tell the `shape` only where it is asked for.
+    #[inline(always)]
+    pub(super) fn query(&self, at: [usize; 2], size: [usize; 2], shape: bool) -> Query {
+        let [x, y] = at.map(|k| k as f64);
         match self {
             Self::Affine([[a, b, c], [d, e, f]]) => {
                 let jacobian = Jacobian::new([[*a, *b], [*d, *e]]);
@@ -183,8 +180,8 @@ impl Mapping<'_> {
                 let jacobian = [[(a - px * g) * w, (b - px * h) * w], [(d - py * g) * w, (e - py * h) * w]];
                 query_at(px, py, Jacobian::new(jacobian), Bend::Perspective([g * w, h * w]))
             }
-            Self::Single(maps) => maps.query(column, row, width, height),
-            Self::Double(maps) => maps.query(column, row, width, height),
+            Self::Single(maps) => maps.query(at, size, shape),
+            Self::Double(maps) => maps.query(at, size, shape),
         }
     }
 
@@ -222,7 +219,7 @@ mod tests {
         };
         for (x, y) in [(0usize, 0usize), (7, 3), (40, 90)] {
             let (fx, fy, e) = (x as f64, y as f64, 1e-4);
-            let got = map.query(x, y, 100, 100);
+            let got = map.query([x, y], [100, 100], false);
             assert!((got.s - 0.5 - place(fx, fy)[0]).abs() < 1e-12);
             for i in 0..2 {
                 let dx = (place(fx + e, fy)[i] - place(fx - e, fy)[i]) / (2.0 * e);

@@ -20,9 +20,11 @@ pub mod band;
 pub mod lerp;
 mod mapping;
 pub mod panorama;
+mod pixels;
 pub mod remap;
 
 pub use mapping::{Mapping, Maps};
+use pixels::Pixels;
 use remap::{Edge, Grid, Interpolation, Job, Outside, Source, interpolate};
 
 /// How an image is warped.
@@ -135,7 +137,7 @@ pub fn warp_into<T: Element + Sample>(
         return interpolate(&job, &plain, Grid::Exact, width, out);
     }
     let texture = texture(image, format, &border, options)?;
-    let places = |i: usize| (mapping.query(i % width, i / width, width, height), None);
+    let places = Pixels { mapping, size: [width, height], shape: sampler.filter.follows_shape() };
     sampler.sample_codes(&texture, width * height, &places, out)
 }
 
@@ -185,7 +187,8 @@ pub fn coverage(
     let format = Format::new(options.encoding, options.alpha, 1)?;
     let texture = texture(white.view(), format, &options.border, &options)?;
     let mut out = zeros::<f32>("shape", width * height)?;
-    let places = |i: usize| (mapping.query(i % width, i / width, width, height), None);
+    let shape = options.sampler.filter.follows_shape();
+    let places = Pixels { mapping, size: [width, height], shape };
     options.sampler.sample_places(&texture, width * height, &places, &mut out)?;
     Image::new(width, height, 1, out)
 }
@@ -207,7 +210,8 @@ pub fn survey(
     let format = Format::new(options.encoding, options.alpha, image.channels())?;
     let border = border_codes(image.dtype(), image.channels(), options)?;
     let texture = texture(image, format, &border, options)?;
-    let places = |i: usize| (mapping.query(i % width, i / width, width, height), None);
+    let shape = options.sampler.filter.follows_shape();
+    let places = Pixels { mapping, size: [width, height], shape };
     options.sampler.survey_places(&texture, width * height, &places)
 }
 
