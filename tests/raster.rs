@@ -71,6 +71,16 @@ fn distances(x: f64, y: f64, size: [f64; 2], v: [[f64; 3]; 3]) -> [f64; 3] {
     })
 }
 
+/// Weights of a place of the picture, from -1 to 1 each way, by the lectures' system of two equations: with the place
+/// moved to the origin, b1 (p1 - p0) + b2 (p2 - p0) = -p0.
+fn solve([x, y]: [f64; 2], corners: [[f64; 4]; 3]) -> [f64; 3] {
+    let [a, b, c] = corners.map(|[px, py, _, w]| [px - x * w, py - y * w]);
+    let ([e, f], [g, h]) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+    let det = e * h - g * f;
+    let (b1, b2) = ((g * a[1] - a[0] * h) / det, (a[0] * f - e * a[1]) / det);
+    [1.0 - b1 - b2, b1, b2]
+}
+
 fn random_triangle(r: &mut Random, kind: usize) -> [[f64; 3]; 3] {
     let centre = [r.range(-3.0, 3.0), r.range(-3.0, 3.0), r.range(-8.0, -0.5)];
     let around = |r: &mut Random, size| {
@@ -149,8 +159,11 @@ fn coverage_depth_weights_and_derivatives_agree_with_rays() {
             }
             checked += 1;
             let b = [1.0 - b1 - b2, b1, b2];
+            let solved = solve([2.0 * x / size[0] - 1.0, 1.0 - 2.0 * y / size[1]], v.map(project));
             for (i, expected) in b.into_iter().enumerate() {
-                assert!((f64::from(weights[p][i]) - expected).abs() < 1e-6, "{b:?} {:?}", weights[p]);
+                let got = f64::from(weights[p][i]);
+                assert!((got - expected).abs() < 1e-6, "{b:?} {:?}", weights[p]);
+                assert!((got - solved[i]).abs() < 1e-6, "{solved:?} {:?}", weights[p]);
             }
             let expected = at(x, y).unwrap();
             for c in 0..2 {

@@ -24,7 +24,7 @@ class Environment:
         ``"mirror_ball"`` (the photograph of one), or ``"sphere_map"``: OpenGL's, a mirror ball that turns with
         the eye.
     layout : str
-        Of a cube: ``"cross"``, ``"strip"`` or ``"stacked"``.
+        Of a cube in one picture: ``"cross"``, ``"strip"`` or ``"stacked"``; not read for six arrays.
     encoding : str
         ``"linear"`` or ``"srgb"``.
     rotation : float
@@ -58,6 +58,8 @@ class Environment:
         pixels = np.asarray(image)
         if name("form", form) == "cube" and pixels.ndim == 4 and pixels.shape[0] == 6:
             pixels, layout = pixels.reshape(-1, *pixels.shape[2:]), "stacked"
+        elif name("layout", layout) == "faces":
+            raise ValueError(f"image: got shape {pixels.shape}, expected six faces (6, n, n, C)")
         self._native = _multum.Environment(
             pixels,
             name("form", form),

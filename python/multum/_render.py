@@ -70,10 +70,10 @@ def _drawing(scene: Scene) -> _multum.Drawing:
     return _multum.Drawing(parts)
 
 
-def _camera(scene: Scene, camera: Camera | str) -> Camera:
+def _camera(scene: Scene, camera: Camera | str, size: tuple[SupportsIndex, SupportsIndex]) -> _multum.Camera:
     if isinstance(camera, Camera):
-        return camera
-    return scene.camera(name("camera", camera))
+        return camera._native
+    return scene.camera(name("camera", camera), size)._native
 
 
 def _background(background: ArrayLike | str | None) -> tuple[float, float, float, float]:
@@ -134,7 +134,8 @@ def render(
     ----------
     scene : Scene
     camera : Camera or str
-        A camera, the name of one of the scene's, or ``"auto"``: the scene's first, else one that frames it.
+        A camera, the name of one of the scene's, or ``"auto"``: the scene's first, else one that frames it in a
+        picture of this size.
     size : (int, int)
         Width and height in pixels, 1 to 16384.
     filter : str
@@ -204,7 +205,7 @@ def render(
         raise ValueError("background: got 'environment', expected numbers where there is no environment")
     picture, _ = _drawing(scene).render(
         scene._texture_store(),
-        _camera(scene, camera)._native,
+        _camera(scene, camera, size),
         _lights(scene, lights),
         image_size(size),
         _sampling(filter, max_anisotropy, lod_bias, threads),
@@ -264,7 +265,7 @@ def right_size(
     """
     _, uses = _drawing(scene).render(
         scene._texture_store(),
-        _camera(scene, camera)._native,
+        _camera(scene, camera, size),
         _lights(scene, None),
         image_size(size),
         _sampling("nearest", 1, 0.0, threads),

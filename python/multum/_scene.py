@@ -3,11 +3,13 @@
 import os
 from collections.abc import Iterable
 from pathlib import Path
+from typing import SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _material, _multum
+from ._arguments import image_size
 from ._camera import Camera
 from ._material import MeshImage
 from ._mesh import Mesh
@@ -80,8 +82,18 @@ class Scene:
         self._textures = (list(images), store)
         return store
 
-    def camera(self, name: str = "auto") -> Camera:
+    def camera(
+        self,
+        name: str = "auto",
+        size: tuple[SupportsIndex, SupportsIndex] | None = None,
+        *,
+        turning: bool = False,
+    ) -> Camera:
         """The camera of this name; ``"auto"``: the file's first, or one that frames the scene.
+
+        The camera that frames looks from the front (+z), a little from the right and above, from as near as the
+        whole scene fits into a picture of ``size``, (width, height), or without it into a square. With ``turning``
+        it also fits when the camera is :meth:`~Camera.turned` about :attr:`center`.
 
         Raises
         ------
@@ -91,9 +103,34 @@ class Scene:
         if name == "auto":
             if self.cameras:
                 return self.cameras[0]
-            return Camera._of(_multum.Camera.framing(self.mesh.positions, self.mesh.faces))
+            width, height = (1, 1) if size is None else image_size(size)
+            points, faces = self.mesh.positions, self.mesh.faces
+            if turning and len(faces):
+                points, faces = _turned_around(points[faces].reshape(-1, 3), self.center)
+            return Camera._of(_multum.Camera.framing(points, faces, width / max(height, 1)))
         for camera in self.cameras:
             if camera.name == name:
                 return camera
         names = ", ".join(repr(camera.name) for camera in self.cameras)
         raise ValueError(f"camera: got {name!r}, expected 'auto' or one of [{names}]")
+
+
+def _turned_around(
+    points: NDArray[np.float32], center: NDArray[np.float64]
+) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+    """A solid of revolution about the vertical axis through a point, and faces of it, with all points inside."""
+    slices, sides = 128, 96
+    away = points.astype(np.float64) - center
+    low, high = away[:, 1].min(), away[:, 1].max()
+    place = np.clip((away[:, 1] - low) / max(high - low, 1e-300) * slices, 0, slices - 1).astype(int)
+    radius = np.zeros(slices)
+    np.maximum.at(radius, place, np.hypot(away[:, 0], away[:, 2]))
+    # Sides of a polygon lie within its circle; corners of one that lie outside reach around it.
+    radius /= np.cos(np.pi / sides)
+    angle = np.arange(sides) * (2 * np.pi / sides)
+    ends = low + (np.arange(slices)[:, None] + [0, 1]) * ((high - low) / slices)
+    ring = radius[:, None, None] * np.stack([np.cos(angle), 0 * angle, np.sin(angle)], -1)
+    solid = ring[:, None] + ends[..., None, None] * [0.0, 1.0, 0.0] + center
+    solid = solid[radius > 0] if (radius > 0).any() else solid
+    made = solid.reshape(-1, 3).astype(np.float32)
+    return made, np.arange(len(made) // 3 * 3, dtype=np.uint32).reshape(-1, 3)

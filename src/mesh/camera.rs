@@ -39,6 +39,9 @@ pub struct Camera {
     pub fits_shorter_side: bool,
 }
 
+/// Steps towards the middle of what is seen; each looks for the outermost points again.
+const CENTRING: usize = 4;
+
 type Vec3 = [f64; 3];
 
 fn minus(a: Vec3, b: Vec3) -> Vec3 {
@@ -77,30 +80,77 @@ impl Camera {
         Self { name: String::new(), view, projection, fits_shorter_side: false }
     }
 
-    /// A camera that sees the whole mesh in a picture of any aspect: from the front (+z), a little from the
-    /// right and above, with an angle of view of 45 degrees.
+    /// A camera that sees the whole mesh in a picture of any aspect: [`Camera::framing_in`] a square.
+    pub fn framing(mesh: &Mesh) -> Self {
+        Self::framing_in(mesh, 1.0)
+    }
+
+    /// A camera that sees the whole mesh in a picture of this aspect, width by height, as large as it can: from the
+    /// front (+z), a little from the right and above, with an angle of view of 45 degrees along the shorter side. What is
+    /// seen lies in the middle of the picture and reaches over 19 of 20 parts of a side, but stays off the eye by a
+    /// twentieth of its depth.
     ///
     /// A mesh without faces gives a camera at (0, 0, 3) that looks at the origin.
-    pub fn framing(mesh: &Mesh) -> Self {
+    pub fn framing_in(mesh: &Mesh, aspect: f64) -> Self {
         let yfov_rad = std::f64::consts::FRAC_PI_4;
-        let [lo, hi] = mesh.bounds().map_or([[-1.0; 3], [1.0; 3]], |b| b.map(|p| p.map(f64::from)));
-        let centre: Vec3 = std::array::from_fn(|k| 0.5 * (lo[k] + hi[k]));
-        let distances = mesh.faces.iter().flatten().map(|&v| {
-            let d = minus(mesh.positions[v as usize].map(f64::from), centre);
-            dot(d, d)
-        });
-        let radius = distances.fold(0.0, f64::max).sqrt();
-        let radius = if mesh.faces.is_empty() || radius <= 0.0 { 1.0 } else { radius };
-        let distance = radius / (yfov_rad / 2.0).sin();
-        let toward = if mesh.faces.is_empty() { [0.0, 0.0, 1.0] } else { [0.4, 0.25, 1.0] };
-        let toward = unit(toward).unwrap_or([0.0, 0.0, 1.0]);
-        let eye = std::array::from_fn(|k| centre[k] + distance * toward[k]);
+        let up = [0.0, 1.0, 0.0];
+        if mesh.faces.is_empty() {
+            let projection = Projection::Perspective { yfov_rad, near: 1.0, far: 6.0 };
+            let camera = Self::look_at([0.0, 0.0, 3.0], [0.0; 3], up, projection);
+            return Self { fits_shorter_side: true, ..camera };
+        }
+        let aspect = if aspect.is_finite() && aspect > 0.0 { aspect } else { 1.0 };
+        let half = 0.95 * (yfov_rad / 2.0).tan();
+        let slopes = [half * aspect.max(1.0), half / aspect.min(1.0)];
+        let back = unit([0.4, 0.25, 1.0]).unwrap_or(up);
+        let right = unit(cross(up, back)).unwrap_or([1.0, 0.0, 0.0]);
+        let axes = [right, cross(back, right), back];
+        let points = || {
+            let used = mesh.faces.iter().flatten();
+            used.map(|&v| axes.map(|axis| dot(axis, mesh.positions[v as usize].map(f64::from))))
+        };
+        // With the eye at (a, b, d) on these axes, x - a <= s (d - z) and a - x <= s (d - z) for every point: the least d is
+        // half the sum of the largest s z + x and s z - x, divided by s.
+        let mut sides = [[f64::NEG_INFINITY; 2]; 2];
+        let mut depths = [f64::INFINITY, f64::NEG_INFINITY];
+        for p in points() {
+            for (k, side) in sides.iter_mut().enumerate() {
+                *side = [side[0].max(slopes[k] * p[2] + p[k]), side[1].max(slopes[k] * p[2] - p[k])];
+            }
+            depths = [depths[0].min(p[2]), depths[1].max(p[2])];
+        }
+        let distance = |k: usize| 0.5 * (sides[k][0] + sides[k][1]) / slopes[k];
+        // A line seen along itself, or a point, has no size in the picture.
+        let depth = depths[1] - depths[0];
+        let room = if depth > 0.0 { 0.05 * depth } else { 1e-3 * depths[1].abs().max(1.0) };
+        let d = distance(0).max(distance(1)).max(depths[1] + room);
+        // Along an axis that could have come nearer, the outermost points change with the distance: move until the two are
+        // as far from the middle.
+        let mut middle = [0, 1].map(|k| 0.5 * (sides[k][0] - sides[k][1]));
+        for _ in 0..CENTRING {
+            let mut outer = [[(f64::NEG_INFINITY, 0.0, 1.0); 2]; 2];
+            for p in points() {
+                for k in 0..2 {
+                    let away = (p[k] - middle[k]) / (d - p[2]);
+                    for (outer, away) in outer[k].iter_mut().zip([away, -away]) {
+                        if away > outer.0 {
+                            *outer = (away, p[k], d - p[2]);
+                        }
+                    }
+                }
+            }
+            // (x - a) / e = (a - y) / f
+            middle = outer.map(|[(_, x, e), (_, y, f)]| (x * f + y * e) / (e + f));
+        }
+        let [a, b] = middle;
+        let world = |z: f64| std::array::from_fn(|k| a * axes[0][k] + b * axes[1][k] + z * axes[2][k]);
+        let (nearest, farthest) = (d - depths[1], d - depths[0]);
         let projection = Projection::Perspective {
             yfov_rad,
-            near: (distance - radius) * 0.5,
-            far: (distance + radius) * 1.5,
+            near: (0.5 * nearest).max(1e-3 * farthest),
+            far: 1.5 * farthest,
         };
-        let camera = Self::look_at(eye, centre, [0.0, 1.0, 0.0], projection);
+        let camera = Self::look_at(world(d), world(d - farthest), up, projection);
         Self { fits_shorter_side: true, ..camera }
     }
 
@@ -155,8 +205,12 @@ impl Camera {
         height: usize,
     ) -> Vec<[f64; 4]> {
         let m = self.matrix(width, height);
-        let row = |r: [f64; 4], [x, y, z]: [f64; 3]| r[0] * x + r[1] * y + r[2] * z + r[3];
-        positions.iter().map(|p| m.map(|r| row(r, p.map(Into::into)))).collect()
+        let at = |p: &[T; 3]| {
+            let [x, y, z]: [f64; 3] = [p[0].into(), p[1].into(), p[2].into()];
+            let row = |r: &[f64; 4]| r[0] * x + r[1] * y + r[2] * z + r[3];
+            [row(&m[0]), row(&m[1]), row(&m[2]), row(&m[3])]
+        };
+        positions.iter().map(at).collect()
     }
 
     /// Where the eye is.

@@ -130,9 +130,9 @@ impl PyCamera {
         &self.0.name
     }
 
-    /// A camera that sees the whole mesh.
+    /// A camera that sees the whole mesh in a picture of an aspect.
     #[staticmethod]
-    fn framing(positions: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<Self> {
+    fn framing(positions: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>, aspect: f64) -> PyResult<Self> {
         let mesh = Mesh {
             positions: vectors("positions", positions)?,
             faces: triangles("faces", faces)?,
@@ -142,7 +142,7 @@ impl PyCamera {
             let expected = format!("indices below the number of vertices, {}", mesh.positions.len());
             return Err(Error::value("faces", format!("index {v}"), expected).into());
         }
-        Ok(Self(Camera::framing(&mesh)))
+        Ok(Self(Camera::framing_in(&mesh, aspect)))
     }
 
     /// Carried around the vertical axis through a point.

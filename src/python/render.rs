@@ -4,14 +4,14 @@ use super::convert::{ImageArg, array, indices, triangles, work};
 use super::mesh::{LightParts, PyCamera, vectors};
 use super::texture::Sampling;
 use crate::encode::Encoding;
-use crate::error::{Error, Result};
+use crate::error::Error;
 use crate::filter::Filter;
 use crate::image::{AnyView, Image, for_any};
 use crate::mapping::Layout;
 use crate::mesh::{
     AlphaMode, Blend, ImageSource, Layer, Light, Material, Mesh, Model, NormalSpace, TextureSlot,
 };
-use crate::render::{Debug, Options, Picture, ShadowOptions, TextureUse, View, render as draw};
+use crate::render::{Debug, Options, Report, ShadowOptions, TextureUse, View, render as draw, render_srgb8};
 use crate::shade::{Environment, EnvironmentOptions, Ray, SkyForm, bumped};
 use crate::wrap::Wrap;
 use glam::{DMat3, DVec3, Vec3};
@@ -171,7 +171,7 @@ fn light((kind, vector, color, falloff, cone): LightParts) -> Light {
     }
 }
 
-/// A mesh ready to be drawn: checked and converted once, drawn as often as wanted.
+/// A mesh as the crate has it; what draws it checks it.
 #[pyclass(name = "Drawing", frozen, module = "multum._multum")]
 struct PyDrawing {
     mesh: Mesh,
@@ -181,9 +181,7 @@ struct PyDrawing {
 impl PyDrawing {
     #[new]
     fn new(parts: &Bound<'_, PyDict>) -> PyResult<Self> {
-        let mesh = mesh(parts)?;
-        mesh.check()?;
-        Ok(Self { mesh })
+        Ok(Self { mesh: mesh(parts)? })
     }
 
     /// The picture, (H, W, 4), and what its textures were used for.
@@ -235,19 +233,17 @@ impl PyDrawing {
                 told.and_then(|()| py.check_signals()).map_err(|e| e.restore(py)).is_err()
             })
         };
-        let job = || -> Result<(Picture, Option<Vec<u8>>)> {
-            let picture = draw(&view, size, &options, &mut tell)?;
-            let codes = if linear { None } else { Some(picture.to_srgb8()?) };
-            Ok((picture, codes))
+        let shape = [size.1, size.0, 4];
+        let uses = |report: Option<&Report>| {
+            report.map_or_else(Vec::new, |r| r.textures.iter().map(parts).collect::<Vec<_>>())
         };
-        let (picture, codes) = work(py, sampling.threads, job)?;
-        let uses = picture.report().map_or_else(Vec::new, |r| r.textures.iter().map(parts).collect());
-        let shape = [picture.height(), picture.width(), 4];
-        let made = match codes {
-            Some(codes) => array(py, codes, &shape)?,
-            None => array(py, picture.into_pixels().into_flattened(), &shape)?,
-        };
-        Ok((made, uses))
+        if linear {
+            let picture = work(py, sampling.threads, || draw(&view, size, &options, &mut tell))?;
+            let uses = uses(picture.report());
+            return Ok((array(py, picture.into_pixels().into_flattened(), &shape)?, uses));
+        }
+        let (codes, report) = work(py, sampling.threads, || render_srgb8(&view, size, &options, &mut tell))?;
+        Ok((array(py, codes, &shape)?, uses(report.as_ref())))
     }
 }
 

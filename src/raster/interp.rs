@@ -15,6 +15,7 @@ use super::{Fragments, Geometry};
 use crate::error::{Error, Result};
 use crate::par;
 use crate::texel::Texel;
+use std::ops::Range;
 
 /// Pixels that a thread takes at a time: whole rows, about this many pixels.
 const CHUNK_PX: usize = 1 << 14;
@@ -78,34 +79,61 @@ pub(crate) struct Weights {
 
 /// The functions a_i of one triangle, about one pixel, in steps of pixels.
 #[derive(Clone, Copy, Debug)]
-struct Planes {
+pub(crate) struct Planes {
     a: [f64; 3],
-    da: [[f64; 2]; 3],
+    /// Derivatives by x and by y.
+    da: [[f64; 3]; 2],
     sum_da: [f64; 2],
-    x: f64,
+    pixel: [f64; 2],
+}
+
+/// A pair of numbers, such as u and v, over a triangle: a_1 e_1 + a_2 e_2 for its differences e from corner 0, which is
+/// linear as the a_i are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pair {
+    corner: [f64; 2],
+    at: [f64; 2],
+    /// Derivatives by x and by y.
+    step: [[f64; 2]; 2],
 }
 
 impl Planes {
-    /// About the centre of pixel (x, y): moved there first, so that small triangles do not cancel.
-    fn new(corners: [[f64; 4]; 3], x: usize, y: usize, size: [f64; 2]) -> Self {
-        let (px, py) = (2.0 / size[0], -2.0 / size[1]);
-        let (cx, cy) = ((x as f64 + 0.5) * px - 1.0, (y as f64 + 0.5) * py + 1.0);
-        let moved = corners.map(|[x, y, _, w]| [x - cx * w, y - cy * w, w]);
-        let mut planes = Self { a: [0.0; 3], da: [[0.0; 2]; 3], sum_da: [0.0; 2], x: x as f64 };
+    /// Of a face of `geometry` in a picture of `size`, about the centre of pixel (x, y): moved there first, so that small
+    /// triangles do not cancel.
+    #[inline(always)]
+    pub(crate) fn of(geometry: &Geometry, face: usize, [x, y]: [usize; 2], size: (usize, usize)) -> Self {
+        Self::new(geometry.corners(face), [x, y], size)
+    }
+
+    #[inline(always)]
+    fn new(corners: [[f64; 4]; 3], [x, y]: [usize; 2], (width, height): (usize, usize)) -> Self {
+        let pixel = [x as f64, y as f64];
+        let (px, py) = (2.0 / width as f64, -2.0 / height as f64);
+        let (cx, cy) = ((pixel[0] + 0.5) * px - 1.0, (pixel[1] + 0.5) * py + 1.0);
+        let moved = |[x, y, _, w]: [f64; 4]| [x - cx * w, y - cy * w, w];
+        let moved = [moved(corners[0]), moved(corners[1]), moved(corners[2])];
+        let mut planes = Self { a: [0.0; 3], da: [[0.0; 3]; 2], sum_da: [0.0; 2], pixel };
         for i in 0..3 {
             let ([xj, yj, wj], [xk, yk, wk]) = (moved[(i + 1) % 3], moved[(i + 2) % 3]);
             planes.a[i] = xj * yk - xk * yj;
-            planes.da[i] = [(wk * yj - wj * yk) * px, (xk * wj - xj * wk) * py];
+            planes.da[0][i] = (wk * yj - wj * yk) * px;
+            planes.da[1][i] = (xk * wj - xj * wk) * py;
         }
-        planes.sum_da = std::array::from_fn(|j| planes.da[0][j] + planes.da[1][j] + planes.da[2][j]);
+        planes.sum_da = planes.da.map(|[a, b, c]| a + b + c);
         planes
     }
 
-    /// Weights at another pixel of the same row.
+    /// The a_i at a pixel.
     #[inline(always)]
-    fn at(&self, x: usize) -> Weights {
-        let step = x as f64 - self.x;
-        let a: [f64; 3] = std::array::from_fn(|i| self.a[i] + step * self.da[i][0]);
+    fn a(&self, x: usize, y: usize) -> [f64; 3] {
+        let [n, m] = [x as f64 - self.pixel[0], y as f64 - self.pixel[1]];
+        std::array::from_fn(|i| self.a[i] + m * self.da[1][i] + n * self.da[0][i])
+    }
+
+    /// Weights at a pixel.
+    #[inline(always)]
+    pub(crate) fn at(&self, x: usize, y: usize) -> Weights {
+        let a = self.a(x, y);
         let inverse = 1.0 / (a[0] + a[1] + a[2]);
         let b = a.map(|a| a * inverse);
         if !(b[0].abs() + b[1].abs() + b[2].abs()).is_finite() {
@@ -113,9 +141,67 @@ impl Planes {
             return Weights { b: [1.0 / 3.0; 3], db: [[0.0; 2]; 2] };
         }
         let db = std::array::from_fn(|i| {
-            std::array::from_fn(|j| (self.da[i + 1][j] - b[i + 1] * self.sum_da[j]) * inverse)
+            std::array::from_fn(|j| (self.da[j][i + 1] - b[i + 1] * self.sum_da[j]) * inverse)
         });
         Weights { b: inside(b), db }
+    }
+
+    /// A pair of numbers over the triangle, given those of its corners.
+    #[inline(always)]
+    pub(crate) fn pair(&self, [v0, v1, v2]: [[f64; 2]; 3]) -> Pair {
+        let (e1, e2) = ([v1[0] - v0[0], v1[1] - v0[1]], [v2[0] - v0[0], v2[1] - v0[1]]);
+        let sum = |[_, a1, a2]: [f64; 3]| [a1 * e1[0] + a2 * e2[0], a1 * e1[1] + a2 * e2[1]];
+        Pair { corner: v0, at: sum(self.a), step: self.da.map(sum) }
+    }
+
+    /// The values and derivatives of a pair at the pixels `x` of row `y`: two and four numbers a pixel. `corners` are those
+    /// that `pair` was made of.
+    #[inline(always)]
+    pub(crate) fn fill(
+        &self,
+        pair: &Pair,
+        corners: impl FnOnce() -> [[f64; 2]; 3],
+        x: Range<usize>,
+        y: usize,
+        out: &mut [[f64; 2]],
+        jacobian: &mut [[f64; 4]],
+    ) {
+        if x.is_empty() || !(self.holds(x.start, y) && (x.len() == 1 || self.holds(x.end - 1, y))) {
+            let [v0, v1, v2] = corners();
+            for ((x, out), jacobian) in x.zip(out).zip(jacobian) {
+                let Weights { b, db: [d1, d2] } = self.at(x, y);
+                let mix = |w1: f64, w2: f64, k: usize| w1 * (v1[k] - v0[k]) + w2 * (v2[k] - v0[k]);
+                *out = [0, 1].map(|k| v0[k] + mix(b[1], b[2], k));
+                *jacobian = std::array::from_fn(|k| mix(d1[k % 2], d2[k % 2], k / 2));
+            }
+            return;
+        }
+        // One division a pixel.
+        let (m, first) = (y as f64 - self.pixel[1], x.start as f64 - self.pixel[0]);
+        let sum = self.a[0] + self.a[1] + self.a[2] + m * self.sum_da[1];
+        let at = [0, 1].map(|k| pair.at[k] + m * pair.step[1][k]);
+        for (i, (out, jacobian)) in out.iter_mut().zip(jacobian).enumerate() {
+            let n = first + i as u32 as f64;
+            let inverse = 1.0 / (sum + n * self.sum_da[0]);
+            let [u, v] = [0, 1].map(|k| (at[k] + n * pair.step[0][k]) * inverse);
+            *out = [pair.corner[0] + u, pair.corner[1] + v];
+            *jacobian = [
+                (pair.step[0][0] - u * self.sum_da[0]) * inverse,
+                (pair.step[1][0] - u * self.sum_da[1]) * inverse,
+                (pair.step[0][1] - v * self.sum_da[0]) * inverse,
+                (pair.step[1][1] - v * self.sum_da[1]) * inverse,
+            ];
+        }
+    }
+
+    /// Whether all weights at a pixel are positive numbers, none of them cut off. Where they are at two pixels of a row,
+    /// they are between them.
+    #[inline(always)]
+    fn holds(&self, x: usize, y: usize) -> bool {
+        let a = self.a(x, y);
+        let sum = a[0] + a[1] + a[2];
+        let all = |sign: f64| a.iter().all(|a| sign * a >= 0.0) && sign * sum >= f64::MIN_POSITIVE;
+        (all(1.0) || all(-1.0)) && sum.is_finite()
     }
 }
 
@@ -242,17 +328,15 @@ impl Fragments {
 
     /// Calls `work(pixel counted from the first of these rows, face, weights)` for every pixel of the rows that
     /// shows a triangle.
-    pub(crate) fn walk(
+    fn walk(
         &self,
         geometry: &Geometry,
-        rows: std::ops::Range<usize>,
+        rows: Range<usize>,
         mut work: impl FnMut(usize, usize, &Weights),
     ) -> Result<()> {
-        let (size, faces) = ([self.width as f64, self.height as f64], geometry.faces().len());
+        let (size, faces) = ((self.width, self.height), geometry.faces().len());
         for (row, y) in rows.enumerate() {
-            let mut current = (-1, None);
-            for (x, &id) in self.triangle[y * self.width..][..self.width].iter().enumerate() {
-                let Ok(face) = usize::try_from(id) else { continue };
+            runs(self.row(y), |pixels, face| {
                 if face >= faces {
                     return Err(Error::value(
                         "geometry",
@@ -260,16 +344,37 @@ impl Fragments {
                         format!("the geometry that was drawn, with a face {face}"),
                     ));
                 }
-                if current.0 != id || current.1.is_none() {
-                    current = (id, Some(Planes::new(geometry.corners(face), x, y, size)));
+                let planes = Planes::of(geometry, face, [pixels.start, y], size);
+                for x in pixels {
+                    work(row * self.width + x, face, &planes.at(x, y));
                 }
-                if let Some(planes) = &current.1 {
-                    work(row * self.width + x, face, &planes.at(x));
-                }
-            }
+                Ok(())
+            })?;
         }
         Ok(())
     }
+
+    /// Faces along a row.
+    pub(crate) fn row(&self, y: usize) -> &[i32] {
+        &self.triangle[y * self.width..][..self.width]
+    }
+}
+
+/// Calls `work(pixels, face)` for every run of pixels of a row that shows one triangle; `row` holds faces, -1 for none.
+///
+/// # Errors
+/// Those of `work`.
+#[inline(always)]
+pub(crate) fn runs(row: &[i32], mut work: impl FnMut(Range<usize>, usize) -> Result<()>) -> Result<()> {
+    let mut x = 0;
+    while x < row.len() {
+        let (id, first) = (row[x], x);
+        x += row[first..].iter().take_while(|&&other| other == id).count();
+        if let Ok(face) = usize::try_from(id) {
+            work(first..x, face)?;
+        }
+    }
+    Ok(())
 }
 
 fn background<T: Texel>(len: usize, fill: T) -> Result<Vec<T>> {
@@ -282,5 +387,52 @@ fn blend<T: Texel>([c0, c1, c2]: [&[T]; 3], weights: &Weights, out: &mut [T]) {
     for (((out, v0), v1), v2) in out.iter_mut().zip(c0).zip(c1).zip(c2) {
         let (v0, v1, v2) = (v0.to_f64(), v1.to_f64(), v2.to_f64());
         *out = T::from_f64(v0 + b1 * (v1 - v0) + b2 * (v2 - v0));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Runs of pixels, one division each, against the weights of each pixel.
+    #[test]
+    fn pairs_are_those_of_the_weights() {
+        let mut state = 3u64;
+        let mut random = |low: f64, high: f64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            low + (state >> 11) as f64 / (1u64 << 53) as f64 * (high - low)
+        };
+        let (mut quick, mut cut) = (0, 0);
+        for _ in 0..2000 {
+            let corners: [[f64; 4]; 3] = std::array::from_fn(|_| {
+                let w = random(-0.3, 3.0);
+                [random(-1.5, 1.5) * w, random(-1.5, 1.5) * w, 0.0, w]
+            });
+            let pairs: [[f64; 2]; 3] = std::array::from_fn(|_| [random(-2.0, 2.0), random(0.0, 1.0)]);
+            let (first, count) = (random(0.0, 30.0) as usize, 1 + random(0.0, 9.0) as usize);
+            let (x, y) = (first..first + count, random(0.0, 30.0) as usize);
+            let about = [random(0.0, 30.0) as usize, random(0.0, 30.0) as usize];
+            let planes = Planes::new(corners, about, (40, 30));
+            let (mut got, mut jacobian) = (vec![[0.0; 2]; count], vec![[0.0; 4]; count]);
+            planes.fill(&planes.pair(pairs), || pairs, x.clone(), y, &mut got, &mut jacobian);
+            let inner = x.clone().all(|x| planes.holds(x, y));
+            (quick, cut) = (quick + usize::from(inner), cut + usize::from(!inner));
+            for ((x, got), jacobian) in x.zip(got).zip(jacobian) {
+                let Weights { b, db } = planes.at(x, y);
+                for k in 0..2 {
+                    let value: f64 = (0..3).map(|i| b[i] * pairs[i][k]).sum();
+                    assert!((got[k] - value).abs() < 1e-9, "{got:?} {value}");
+                    for j in 0..2 {
+                        let slope =
+                            db[0][j] * (pairs[1][k] - pairs[0][k]) + db[1][j] * (pairs[2][k] - pairs[0][k]);
+                        assert!(
+                            (jacobian[2 * k + j] - slope).abs()
+                                < 1e-9 * (1.0 + slope.abs()) * (1.0 + slope.abs())
+                        );
+                    }
+                }
+            }
+        }
+        assert!(quick > 100 && cut > 100, "{quick} {cut}");
     }
 }

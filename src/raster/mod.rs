@@ -16,6 +16,7 @@
 //! Depth is `z / w`, from -1 (near plane) to 1 (far plane). Of two fragments at the same depth the one of
 //! the lower face index is in front, so that every picture and every peeled layer is well defined.
 
+mod bins;
 mod clip;
 mod interp;
 mod setup;
@@ -23,8 +24,9 @@ mod visit;
 
 use crate::error::{Error, Result};
 
+pub(crate) use bins::{Banded, Layer, Projected};
 pub use interp::Attributes;
-pub(crate) use interp::Weights;
+pub(crate) use interp::{Pair, Planes, Weights, runs};
 
 /// Longest side of a target, in pixels.
 pub const MAX_SIDE: usize = 16_384;

@@ -4,6 +4,7 @@
 //! vertices in 1/256 pixel and within 2^16 pixels of each other it fits in 51 bits.
 
 use super::{Cull, Geometry, clip::clip};
+use crate::kernel::Isa;
 
 /// Sub-pixel units in a pixel.
 pub(super) const SUB: i64 = 256;
@@ -108,6 +109,7 @@ impl Bounds {
 
 impl Primitive {
     /// Pixels whose sample points (`lo` to `hi` in sub-pixel units from the pixel's corner) may lie inside.
+    #[inline(always)]
     fn bounds(&self, viewport: &Viewport, lo: i64, hi: i64) -> Bounds {
         let range = |c: [i32; 3], size: i64| {
             let min = i64::from(c[0].min(c[1]).min(c[2]));
@@ -118,7 +120,8 @@ impl Primitive {
         Bounds { x: range(self.x, viewport.size[0]), y: range(self.y, viewport.size[1]) }
     }
 
-    /// Edge functions and depth plane.
+    /// Edge functions and depth.
+    #[inline(always)]
     pub(super) fn edges(&self) -> Edges {
         let (x, y) = (self.x.map(i64::from), self.y.map(i64::from));
         let mut dx = [0; 3];
@@ -131,33 +134,77 @@ impl Primitive {
             let owns = dy[i] < 0 || (dy[i] == 0 && dx[i] > 0);
             constant[i] = dy[i] * x[i] - dx[i] * y[i] - i64::from(!owns);
         }
-        let inverse_area = 1.0 / (dx[0] * dy[1] - dx[1] * dy[0]) as f64;
+        Edges { dx, dy, constant }
+    }
+
+    /// The plane of depths.
+    #[inline(always)]
+    pub(super) fn depth(&self) -> Depth {
+        let ([x0, x1, x2], [y0, y1, y2]) = (self.x.map(f64::from), self.y.map(f64::from));
         let z = self.z.map(f64::from);
+        // Whole numbers below 2^26: differences are exact, and so is the area, below 2^53.
+        let (x1, y1, x2, y2) = (x1 - x0, y1 - y0, x2 - x0, y2 - y0);
         let (z1, z2) = (z[1] - z[0], z[2] - z[0]);
-        let (x1, y1) = (dx[0] as f64, dy[0] as f64);
-        let (x2, y2) = (-dx[2] as f64, -dy[2] as f64);
-        Edges {
-            dx,
-            dy,
-            constant,
-            origin: [x[0], y[0]],
+        let inverse_area = 1.0 / (x1 * y2 - x2 * y1);
+        let [a, b, c] = self.z;
+        Depth {
+            origin: [self.x[0], self.y[0]],
             z0: z[0],
             slope: [(z1 * y2 - z2 * y1) * inverse_area, (z2 * x1 - z1 * x2) * inverse_area],
-            hull: [self.z[0].min(self.z[1]).min(self.z[2]), self.z[0].max(self.z[1]).max(self.z[2])],
+            hull: [a.min(b).min(c), a.max(b).max(c)],
         }
     }
 }
 
-/// What the visit of one triangle needs.
+/// Edge functions of one triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Edges {
     dx: [i64; 3],
     dy: [i64; 3],
     constant: [i64; 3],
-    origin: [i64; 2],
+}
+
+/// Depth over one triangle: linear in the places of pixels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Depth {
+    origin: [i32; 2],
     z0: f64,
     slope: [f64; 2],
+    /// Smallest and largest depth of the corners.
     hull: [f32; 2],
+}
+
+/// Depth along one row, the same for a pixel whichever one is the first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DepthRow {
+    start: f64,
+    /// From corner 0 to the first pixel, in sub-pixel units.
+    x: f64,
+    slope: f64,
+    hull: [f32; 2],
+}
+
+impl Depth {
+    /// Along row `y` from column `first` on.
+    #[inline(always)]
+    pub(super) fn row(&self, y: i64, first: i64) -> DepthRow {
+        let sub = SUB as i32;
+        let [dx, dy] = [first, y].map(|c| c as i32 * sub + sub / 2);
+        let (dx, dy) = (f64::from(dx - self.origin[0]), f64::from(dy - self.origin[1]));
+        DepthRow { start: self.z0 + dy * self.slope[1], x: dx, slope: self.slope[0], hull: self.hull }
+    }
+}
+
+impl DepthRow {
+    /// Depth at the k-th pixel. Rounding may not take it out of the triangle's range.
+    #[inline(always)]
+    pub(super) fn at(&self, k: usize) -> f32 {
+        let z = (self.start + (self.x + f64::from(k as i32 * SUB as i32)) * self.slope) as f32;
+        // Comparisons that a plain maximum and minimum instruction can do: NaN, which an overflowing slope of
+        // a sliver gives, becomes the lower end.
+        let z = if z > self.hull[0] { z } else { self.hull[0] };
+        if z < self.hull[1] { z } else { self.hull[1] }
+    }
 }
 
 impl Edges {
@@ -209,19 +256,52 @@ impl Edges {
             }
         }
     }
+}
 
-    /// Depth at the centre of the first pixel of a row, and its step from pixel to pixel.
+/// Pixels of a row that are tested together.
+pub(super) const LANES: usize = 8;
+/// Primitives of at most this extent, in sub-pixel units, have edge functions of 32 bits.
+const SMALL: i32 = 1 << 13;
+
+/// What the visit of a small triangle needs: every row of it is tested in one group of pixels.
+pub(super) struct Group {
+    /// Edge functions at the group's first pixel in the first row, less 1 where the edge does not own its points.
+    first: [i32; 3],
+    /// Their change from row to row.
+    down: [i32; 3],
+    /// Their change from the first pixel to each of the group.
+    right: [[i32; LANES]; 3],
+}
+
+impl Group {
+    /// For the centres of pixels from column `left` on, from row `top` on; `None` where the primitive is too large.
     #[inline(always)]
-    pub(super) fn depth_row(&self, y: i64, x: i64) -> (f64, f64) {
-        let dx = (x * SUB + SUB / 2 - self.origin[0]) as f64;
-        let dy = (y * SUB + SUB / 2 - self.origin[1]) as f64;
-        (self.z0 + dx * self.slope[0] + dy * self.slope[1], self.slope[0] * SUB as f64)
+    pub(super) fn new(primitive: &Primitive, [left, top]: [i64; 2]) -> Option<Self> {
+        let extent = |c: [i32; 3]| c[0].max(c[1]).max(c[2]) - c[0].min(c[1]).min(c[2]);
+        if extent(primitive.x) > SMALL || extent(primitive.y) > SMALL {
+            return None;
+        }
+        // At most a group and a primitive away from the corners: products stay below 2^28.
+        let at = |c: [i32; 3], pixel: i64| c.map(|c| c - (pixel as i32 * SUB as i32 + SUB as i32 / 2));
+        let (x, y) = (at(primitive.x, left), at(primitive.y, top));
+        let mut group = Self { first: [0; 3], down: [0; 3], right: [[0; LANES]; 3] };
+        for i in 0..3 {
+            let j = (i + 1) % 3;
+            let (dx, dy) = (x[j] - x[i], y[j] - y[i]);
+            let owns = dy < 0 || (dy == 0 && dx > 0);
+            group.first[i] = dy * x[i] - dx * y[i] - i32::from(!owns);
+            group.down[i] = dx * SUB as i32;
+            group.right[i] = std::array::from_fn(|k| -dy * SUB as i32 * k as i32);
+        }
+        Some(group)
     }
 
-    /// Smallest and largest depth of the corners.
+    /// Negative numbers for the pixels of a row that lie outside, and the step to the next row.
     #[inline(always)]
-    pub(super) fn hull(&self) -> [f32; 2] {
-        self.hull
+    pub(super) fn next_row(&mut self) -> [i32; LANES] {
+        let ([a, b, c], [p, q, r]) = (self.first, &self.right);
+        self.first = std::array::from_fn(|i| self.first[i] + self.down[i]);
+        std::array::from_fn(|k| (a + p[k]) | (b + q[k]) | (c + r[k]))
     }
 }
 
@@ -237,12 +317,15 @@ pub(super) struct Setup<'a> {
     pub(super) screen: &'a [Screen],
     pub(super) viewport: Viewport,
     pub(super) cull: Cull<'a>,
+    /// What the visit is compiled for.
+    pub(super) isa: Isa,
     /// First and last sample place in a pixel, in sub-pixel units.
     pub(super) reach: [i64; 2],
 }
 
 impl Setup<'_> {
     /// Pixels that a primitive may touch.
+    #[inline(always)]
     pub(super) fn bounds(&self, primitive: &Primitive) -> Bounds {
         primitive.bounds(&self.viewport, self.reach[0], self.reach[1])
     }

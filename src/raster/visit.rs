@@ -1,23 +1,18 @@
-//! The visit: bands of rows, spans of pixels, depth test, visibility buffer, coverage.
+//! The visit: spans of pixels, depth test, visibility buffer, coverage.
 //!
-//! Faces are taken in batches; each batch is set up in chunks, sorted into bands of rows, and drawn band by
-//! band. A band belongs to one thread at a time and the winner at a pixel does not depend on the order of
-//! faces, so the bytes are the same for any number of threads.
+//! Faces are taken in batches; each batch is sorted into bands of rows, and drawn band by band.
 
-use super::setup::{Bounds, Edges, Primitive, SUB, Screen, Setup, Viewport};
+use super::bins::{Bins, Projected};
+use super::setup::{Bounds, DepthRow, Group, LANES, Primitive, SUB, Setup};
 use super::{Fragments, Geometry, Options};
 use crate::error::{Error, Result};
+use crate::kernel::compiled_for;
 use crate::par;
 
 /// Rows of a band.
 const BAND: usize = 32;
 /// Faces set up together: bounds the memory for primitives.
 const BATCH: usize = 1 << 16;
-/// Faces or vertices that a thread takes at a time.
-const CHUNK: usize = 1 << 12;
-/// A primitive that reaches over more bands than this goes to one list that every band reads, which bounds
-/// the memory for lists.
-const BIG: i64 = 16;
 
 /// Draws all faces of checked arguments.
 pub(super) fn visit(
@@ -25,22 +20,11 @@ pub(super) fn visit(
     (width, height): (usize, usize),
     options: &Options<'_>,
 ) -> Result<Fragments> {
-    let viewport = Viewport::new(width, height);
-    let mut screen = filled(geometry.positions().len(), Screen::default())?;
-    let tiles = screen.chunks_mut(CHUNK).zip(geometry.positions().chunks(CHUNK));
-    par::for_each(tiles, |_, (out, positions)| {
-        for (out, &position) in out.iter_mut().zip(positions) {
-            *out = viewport.project(position);
-        }
-        Ok(())
-    })?;
-
+    let projected = Projected::new(geometry, (width, height))?;
     let pixels = width * height;
     let mut triangle = filled(pixels, -1i32)?;
     let mut depth = filled(pixels, f32::INFINITY)?;
-    let centre = SUB / 2;
-    let mut setup =
-        Setup { geometry, screen: &screen, viewport, cull: options.cull, reach: [centre, centre] };
+    let mut setup = projected.setup(options.cull);
     let rows = |i: usize| i * BAND * width..;
     let behind = options.behind.map(|front| (front.depth(), front.triangle()));
     let mut bands: Vec<Band<'_>> = depth
@@ -49,13 +33,14 @@ pub(super) fn visit(
         .enumerate()
         .map(|(i, (depth, triangle))| Band {
             first_row: (i * BAND) as i64,
+            left: 0,
             width,
             depth,
             triangle,
             behind: behind.map(|(d, t)| (&d[rows(i)], &t[rows(i)])),
         })
         .collect();
-    draw(&setup, &mut bands, |band, primitive, bounds| band.draw_centres(primitive, bounds))?;
+    draw(&setup, height, &mut bands, |band, primitive, bounds| band.draw_centres(primitive, bounds))?;
 
     let samples = sample_places(options.samples);
     let coverage = if samples.is_empty() {
@@ -73,7 +58,7 @@ pub(super) fn visit(
             })
             .collect();
         setup.reach = [0, SUB - 1];
-        draw(&setup, &mut bands, |band, primitive, bounds| band.draw_samples(primitive, bounds))?;
+        draw(&setup, height, &mut bands, |band, primitive, bounds| band.draw_samples(primitive, bounds))?;
         let share = 1.0 / samples.len() as f32;
         Some(masks.iter().map(|mask| mask.count_ones() as f32 * share).collect())
     };
@@ -122,46 +107,18 @@ pub(super) fn zeros<T: Clone + Default>(len: usize) -> Result<Vec<T>> {
 /// Sets up all faces and hands each band the primitives that reach it.
 fn draw<B: Send>(
     setup: &Setup<'_>,
+    height: usize,
     bands: &mut [B],
     work: impl Fn(&mut B, &Primitive, Bounds) + Sync,
 ) -> Result<()> {
     let faces = setup.geometry.faces().len();
-    let mut chunks: Vec<Vec<Primitive>> = vec![Vec::new(); BATCH.min(faces).div_ceil(CHUNK)];
-    let mut bins: Vec<Vec<(u32, u32)>> = vec![Vec::new(); bands.len()];
+    let mut bins = Bins::new(BAND, height);
     for batch in (0..faces).step_by(BATCH) {
-        par::for_each(chunks.iter_mut(), |i, out| {
-            out.clear();
-            let start = (batch + i * CHUNK).min(faces);
-            for face in start..(start + CHUNK).min(batch + BATCH).min(faces) {
-                setup.face(face, |primitive| out.push(primitive));
-            }
-            Ok(())
-        })?;
-        bins.iter_mut().for_each(Vec::clear);
-        let mut big = Vec::new();
-        for (c, chunk) in chunks.iter().enumerate() {
-            for (k, primitive) in chunk.iter().enumerate() {
-                let [top, bottom] = setup.bounds(primitive).y.map(|y| y / BAND as i64);
-                let entry = (c as u32, k as u32);
-                if bottom - top > BIG {
-                    big.push(entry);
-                } else {
-                    for bin in &mut bins[top as usize..=bottom as usize] {
-                        bin.push(entry);
-                    }
-                }
-            }
-        }
-        par::for_each(bands.iter_mut().zip(&bins), |i, (band, bin)| {
-            let rows = [(i * BAND) as i64, (i * BAND + BAND - 1) as i64];
-            for &(c, k) in big.iter().chain(bin) {
-                let primitive = &chunks[c as usize][k as usize];
-                let mut bounds = setup.bounds(primitive);
-                bounds.y = [bounds.y[0].max(rows[0]), bounds.y[1].min(rows[1])];
-                if !bounds.is_empty() {
-                    work(band, primitive, bounds);
-                }
-            }
+        bins.fill(setup, BATCH.min(faces - batch), |i| batch + i)?;
+        par::for_each(bands.iter_mut(), |i, band| {
+            compiled_for(setup.isa, || {
+                bins.visit(setup, i, |primitive, bounds| work(band, primitive, bounds));
+            });
             Ok(())
         })?;
     }
@@ -169,26 +126,38 @@ fn draw<B: Send>(
 }
 
 /// Rows of the outputs that one thread draws.
-struct Band<'a> {
-    first_row: i64,
-    width: usize,
-    depth: &'a mut [f32],
-    triangle: &'a mut [i32],
-    behind: Option<(&'a [f32], &'a [i32])>,
+pub(super) struct Band<'a> {
+    pub(super) first_row: i64,
+    /// First column.
+    pub(super) left: i64,
+    /// Columns.
+    pub(super) width: usize,
+    pub(super) depth: &'a mut [f32],
+    pub(super) triangle: &'a mut [i32],
+    /// Depths and faces that are seen through.
+    pub(super) behind: Option<(&'a [f32], &'a [i32])>,
 }
 
 impl Band<'_> {
     /// Position of pixel (x, y) in the band's slices.
     fn index(&self, x: i64, y: i64) -> usize {
-        (y - self.first_row) as usize * self.width + x as usize
+        (y - self.first_row) as usize * self.width + (x - self.left) as usize
     }
 
-    fn draw_centres(&mut self, primitive: &Primitive, bounds: Bounds) {
-        let edges = primitive.edges();
+    /// Draws a primitive where it covers centres of pixels.
+    #[inline(always)]
+    pub(super) fn draw_centres(&mut self, primitive: &Primitive, bounds: Bounds) {
+        if self.width >= LANES && bounds.x[1] - bounds.x[0] < LANES as i64 {
+            let left = bounds.x[0].min(self.left + (self.width - LANES) as i64);
+            if let Some(group) = Group::new(primitive, [left, bounds.y[0]]) {
+                return self.draw_group(primitive, group, left, bounds.y);
+            }
+        }
+        let (edges, depths) = (primitive.edges(), primitive.depth());
         edges.spans(bounds, [SUB / 2, SUB / 2], |y, first, last| {
             let start = self.index(first, y);
             let span = start..start + (last - first) as usize + 1;
-            let line = Line::new(&edges, primitive.face, y, first);
+            let line = Line { depth: depths.row(y, first), face: primitive.face };
             let (depth, triangle) = (&mut self.depth[span.clone()], &mut self.triangle[span.clone()]);
             match self.behind {
                 None => line.draw(depth, triangle),
@@ -196,40 +165,70 @@ impl Band<'_> {
             }
         });
     }
+
+    /// Draws a primitive none of whose rows is longer than a group of pixels, the first of which is in column `left`.
+    #[inline(always)]
+    fn draw_group(&mut self, primitive: &Primitive, mut group: Group, left: i64, rows: [i64; 2]) {
+        let depths = primitive.depth();
+        for y in rows[0]..=rows[1] {
+            let mut outside = group.next_row();
+            let at = self.index(left, y);
+            let line = Line { depth: depths.row(y, left), face: primitive.face };
+            if let Some((d, t)) = self.behind {
+                line.hide(&mut outside, &d[at..at + LANES], &t[at..at + LANES]);
+            }
+            let own = (self.depth[at..].first_chunk_mut(), self.triangle[at..].first_chunk_mut());
+            if let (Some(depth), Some(triangle)) = own {
+                line.draw_group(&outside, depth, triangle);
+            }
+        }
+    }
 }
 
 /// One triangle along one row.
 struct Line {
-    z: f64,
-    step: f64,
-    hull: [f32; 2],
+    depth: DepthRow,
     face: i32,
 }
 
 impl Line {
     #[inline(always)]
-    fn new(edges: &Edges, face: i32, y: i64, first: i64) -> Self {
-        let (z, step) = edges.depth_row(y, first);
-        Self { z, step, hull: edges.hull(), face }
-    }
-
-    /// Depth at the k-th pixel. Rounding may not take it out of the triangle's range.
-    #[inline(always)]
-    fn depth(&self, k: usize) -> f32 {
-        let z = (self.z + k as i32 as f64 * self.step) as f32;
-        // Comparisons that a plain maximum and minimum instruction can do: NaN, which an overflowing slope of
-        // a sliver gives, becomes the lower end.
-        let z = if z > self.hull[0] { z } else { self.hull[0] };
-        if z < self.hull[1] { z } else { self.hull[1] }
-    }
-
-    #[inline(always)]
     fn draw(&self, depth: &mut [f32], triangle: &mut [i32]) {
         for (k, (d, t)) in depth.iter_mut().zip(triangle).enumerate() {
-            let z = self.depth(k);
+            let z = self.depth.at(k);
             let nearer = (z < *d) | ((z == *d) & (self.face < *t));
             *d = if nearer { z } else { *d };
             *t = if nearer { self.face } else { *t };
+        }
+    }
+
+    /// As [`Line::draw`], where `outside` is not negative: all is read before anything is written, so that the pixels can be
+    /// worked on together.
+    #[inline(always)]
+    fn draw_group(&self, outside: &[i32; LANES], depth: &mut [f32; LANES], triangle: &mut [i32; LANES]) {
+        let (before, owner) = (*depth, *triangle);
+        let (mut nearest, mut face) = (before, owner);
+        for k in 0..LANES {
+            let z = self.depth.at(k);
+            let nearer = ((z < before[k]) | ((z == before[k]) & (self.face < owner[k]))) & (outside[k] >= 0);
+            nearest[k] = if nearer { z } else { before[k] };
+            face[k] = if nearer { self.face } else { owner[k] };
+        }
+        (*depth, *triangle) = (nearest, face);
+    }
+
+    #[inline(always)]
+    fn is_behind(&self, z: f32, front_d: f32, front_t: i32) -> bool {
+        z > front_d || (z == front_d && self.face > front_t)
+    }
+
+    /// Makes `outside` negative where this is not behind what is in front.
+    #[inline(always)]
+    fn hide(&self, outside: &mut [i32; LANES], front_d: &[f32], front_t: &[i32]) {
+        for (k, (out, (&d, &t))) in outside.iter_mut().zip(front_d.iter().zip(front_t)).enumerate() {
+            if !self.is_behind(self.depth.at(k), d, t) {
+                *out = -1;
+            }
         }
     }
 
@@ -237,9 +236,8 @@ impl Line {
     fn draw_behind(&self, depth: &mut [f32], triangle: &mut [i32], front_d: &[f32], front_t: &[i32]) {
         let fronts = front_d.iter().zip(front_t);
         for (k, ((d, t), (&fd, &ft))) in depth.iter_mut().zip(triangle).zip(fronts).enumerate() {
-            let z = self.depth(k);
-            let behind = z > fd || (z == fd && self.face > ft);
-            if behind && (z < *d || (z == *d && self.face < *t)) {
+            let z = self.depth.at(k);
+            if self.is_behind(z, fd, ft) && (z < *d || (z == *d && self.face < *t)) {
                 (*d, *t) = (z, self.face);
             }
         }
@@ -257,22 +255,19 @@ struct SampledBand<'a> {
 
 impl SampledBand<'_> {
     fn draw_samples(&mut self, primitive: &Primitive, bounds: Bounds) {
-        let edges = primitive.edges();
+        let (edges, depths) = (primitive.edges(), primitive.depth());
         for (bit, &sample) in self.samples.iter().enumerate() {
             edges.spans(bounds, sample, |y, first, last| {
                 let start = self.band.index(first, y);
-                let line = Line::new(&edges, primitive.face, y, first);
+                let line = Line { depth: depths.row(y, first), face: primitive.face };
                 for k in 0..=(last - first) as usize {
-                    let (p, z) = (start + k, line.depth(k));
-                    let behind = self
-                        .band
-                        .behind
-                        .is_none_or(|(d, t)| z > d[p] || (z == d[p] && primitive.face > t[p]));
-                    if !behind {
+                    let (p, z) = (start + k, line.depth.at(k));
+                    if !self.band.behind.is_none_or(|(d, t)| line.is_behind(z, d[p], t[p])) {
                         continue;
                     }
                     self.masks[p] |= 1 << bit;
                     if self.free[p] {
+                        let line = Line { depth: depths.row(y, first + k as i64), face: primitive.face };
                         line.draw(&mut self.band.depth[p..=p], &mut self.band.triangle[p..=p]);
                     }
                 }

@@ -2,17 +2,48 @@
 
 use crate::jacobian::Jacobian;
 use crate::mesh::{Mesh, TextureSlot};
-use crate::raster::Weights;
+use crate::raster::{Geometry, Pair, Planes, Weights};
 use glam::Vec3;
+use std::ops::Range;
 
-/// Pixels of a tile that show one material.
+/// Pixels that show one material, in runs along rows.
 #[derive(Debug, Default)]
 pub(super) struct Batch {
-    /// Pixels, counted from the tile's first.
-    pub pixel: Vec<u32>,
-    /// Their faces in the mesh.
-    pub face: Vec<u32>,
-    weights: Vec<Weights>,
+    faces: Vec<Face>,
+    runs: Vec<Run>,
+    len: usize,
+}
+
+/// A face that is seen, whatever the number of its runs.
+#[derive(Clone, Debug)]
+struct Face {
+    index: usize,
+    planes: Planes,
+}
+
+/// Neighbouring pixels of a row that show one face.
+#[derive(Clone, Debug)]
+struct Run {
+    /// The first one's place in the slice of the picture that is drawn.
+    pixel: u32,
+    /// Columns.
+    x: Range<u32>,
+    y: u32,
+    /// Position in `faces`.
+    face: u32,
+}
+
+impl Run {
+    fn columns(&self) -> Range<usize> {
+        self.x.start as usize..self.x.end as usize
+    }
+}
+
+/// A pixel on a face of the mesh.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spot {
+    pub face: usize,
+    weights: Weights,
 }
 
 /// A vector with its change for one pixel right and one pixel down.
@@ -23,38 +54,102 @@ pub(super) struct Moving {
     pub dy: Vec3,
 }
 
-/// Where a texture is read: two numbers and four derivatives a pixel.
+/// Where a texture is read.
 #[derive(Debug, Default)]
 pub(super) struct Places {
-    pub uv: Vec<f64>,
-    pub jacobian: Vec<f64>,
+    pub uv: Vec<[f64; 2]>,
+    /// du/dx, du/dy, dv/dx, dv/dy.
+    pub jacobian: Vec<[f64; 4]>,
 }
 
 impl Places {
     /// The Jacobian of pixel `i`.
     pub fn jacobian(&self, i: usize) -> Jacobian {
-        let j = &self.jacobian[4 * i..];
-        Jacobian::new([[j[0], j[1]], [j[2], j[3]]])
+        let [a, b, c, d] = self.jacobian[i];
+        Jacobian::new([[a, b], [c, d]])
     }
 }
 
 impl Batch {
-    /// Adds a pixel.
-    pub fn push(&mut self, pixel: usize, face: usize, weights: &Weights) {
-        self.pixel.push(pixel as u32);
-        self.face.push(face as u32);
-        self.weights.push(*weights);
+    /// Adds face `index`, whose planes are those of face `drawn` of a geometry about one of its pixels in a picture of `size`,
+    /// and tells its number.
+    #[inline(always)]
+    pub fn add(
+        &mut self,
+        index: usize,
+        (geometry, drawn): (&Geometry, usize),
+        pixel: [usize; 2],
+        size: (usize, usize),
+    ) -> u32 {
+        self.faces.push(Face { index, planes: Planes::of(geometry, drawn, pixel, size) });
+        self.faces.len() as u32 - 1
     }
 
-    pub fn len(&self) -> usize {
-        self.pixel.len()
-    }
-
-    /// A vertex attribute of N numbers at pixel `i`.
+    /// Adds pixels of row `y` in the columns `x`, the first of which is number `pixel` of the slice, to a face of this number.
     #[inline]
-    fn blend<const N: usize>(&self, mesh: &Mesh, list: &[[f32; N]], i: usize) -> [f32; N] {
-        let corners = mesh.faces[self.face[i] as usize].map(|v| list[v as usize]);
-        let b = &self.weights[i].b;
+    pub fn push(&mut self, pixel: usize, x: Range<usize>, y: usize, face: u32) {
+        self.len += x.len();
+        self.runs.push(Run { pixel: pixel as u32, x: x.start as u32..x.end as u32, y: y as u32, face });
+    }
+
+    /// Takes everything out.
+    pub fn clear(&mut self) {
+        self.faces.clear();
+        self.runs.clear();
+        self.len = 0;
+    }
+
+    /// Pixels.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Numbers of the pixels in the slice.
+    pub fn pixels(&self) -> impl Iterator<Item = usize> {
+        self.runs.iter().flat_map(|run| run.pixel as usize..run.pixel as usize + run.x.len())
+    }
+
+    /// The pixels' places on the mesh.
+    pub fn spots(&self) -> impl Iterator<Item = Spot> {
+        self.runs.iter().flat_map(|run| {
+            let Face { index, planes } = &self.faces[run.face as usize];
+            let y = run.y as usize;
+            run.columns().map(move |x| Spot { face: *index, weights: planes.at(x, y) })
+        })
+    }
+
+    /// Where a slot reads its texture. Meshes without the uv set are read at (0, 0).
+    pub fn places(&self, mesh: &Mesh, slot: &TextureSlot) -> Places {
+        let mut out = Places { uv: vec![[0.0; 2]; self.len], jacobian: vec![[0.0; 4]; self.len] };
+        let Some(list) = mesh.uv.get(slot.uv_set) else { return out };
+        let transform = slot.transform.map(|row| row.map(f64::from));
+        let is_plain = slot.transform == TextureSlot::IDENTITY;
+        let corners = |face: usize| {
+            mesh.faces[face].map(|v| {
+                let [u, v] = list[v as usize].map(f64::from);
+                if is_plain { [u, v] } else { transform.map(|[a, b, c]| a * u + b * v + c) }
+            })
+        };
+        let pairs: Vec<Pair> = self.faces.iter().map(|f| f.planes.pair(corners(f.index))).collect();
+        let (mut uv, mut jacobian) = (&mut out.uv[..], &mut out.jacobian[..]);
+        for run in &self.runs {
+            let (own_uv, own_jacobian);
+            (own_uv, uv) = uv.split_at_mut(run.x.len());
+            (own_jacobian, jacobian) = jacobian.split_at_mut(run.x.len());
+            let (Face { index, planes }, pair) = (&self.faces[run.face as usize], &pairs[run.face as usize]);
+            let (x, y) = (run.columns(), run.y as usize);
+            planes.fill(pair, || corners(*index), x, y, own_uv, own_jacobian);
+        }
+        out
+    }
+}
+
+impl Spot {
+    /// A vertex attribute of N numbers.
+    #[inline]
+    fn blend<const N: usize>(&self, mesh: &Mesh, list: &[[f32; N]]) -> [f32; N] {
+        let corners = mesh.faces[self.face].map(|v| list[v as usize]);
+        let b = &self.weights.b;
         std::array::from_fn(|k| {
             let [v0, v1, v2] = corners.map(|c| f64::from(c[k]));
             (v0 + b[1] * (v1 - v0) + b[2] * (v2 - v0)) as f32
@@ -62,9 +157,9 @@ impl Batch {
     }
 
     /// A vertex attribute of three numbers, with its derivatives.
-    pub fn vector(&self, mesh: &Mesh, list: &[[f32; 3]], i: usize) -> Moving {
-        let corners = mesh.faces[self.face[i] as usize].map(|v| list[v as usize]);
-        let Weights { b, db } = &self.weights[i];
+    pub fn vector(&self, mesh: &Mesh, list: &[[f32; 3]]) -> Moving {
+        let corners = mesh.faces[self.face].map(|v| list[v as usize]);
+        let Weights { b, db } = &self.weights;
         let mut out = [[0f32; 3]; 3];
         for k in 0..3 {
             let [v0, v1, v2] = corners.map(|c| f64::from(c[k]));
@@ -76,48 +171,28 @@ impl Batch {
         Moving { at: out[0].into(), dx: out[1].into(), dy: out[2].into() }
     }
 
-    /// The tangent of pixel `i`, and the sign of its bitangent.
-    pub fn tangent(&self, mesh: &Mesh, i: usize) -> (Vec3, f32) {
-        let [x, y, z, w] = self.blend(mesh, &mesh.tangents, i);
+    /// The normal as it is interpolated.
+    pub fn normal(&self, mesh: &Mesh) -> Vec3 {
+        self.blend(mesh, &mesh.normals).into()
+    }
+
+    /// The tangent, and the sign of its bitangent.
+    pub fn tangent(&self, mesh: &Mesh) -> (Vec3, f32) {
+        let [x, y, z, w] = self.blend(mesh, &mesh.tangents);
         (Vec3::new(x, y, z), if w < 0.0 { -1.0 } else { 1.0 })
     }
 
-    /// The vertex colour of pixel `i`, white where the mesh has none.
-    pub fn color(&self, mesh: &Mesh, i: usize) -> [f32; 4] {
-        if mesh.colors.is_empty() { [1.0; 4] } else { self.blend(mesh, &mesh.colors, i) }
+    /// The vertex colour, white where the mesh has none.
+    pub fn color(&self, mesh: &Mesh) -> [f32; 4] {
+        if mesh.colors.is_empty() { [1.0; 4] } else { self.blend(mesh, &mesh.colors) }
     }
 
-    /// The normal of the face of pixel `i`, of any length; its corners run counter-clockwise around it.
-    pub fn face_normal(&self, mesh: &Mesh, i: usize) -> Vec3 {
-        let [a, b, c] = mesh.faces[self.face[i] as usize].map(|v| Vec3::from(mesh.positions[v as usize]));
+    /// The normal of the face, of any length; its corners run counter-clockwise around it.
+    pub fn face_normal(&self, mesh: &Mesh) -> Vec3 {
+        let [a, b, c] = mesh.faces[self.face].map(|v| Vec3::from(mesh.positions[v as usize]));
         let (e1, e2) = (b - a, c - a);
         // Faces can be tiny: no product of their sides may vanish.
         let scale = e1.abs().max_element().max(e2.abs().max_element());
         if scale > 0.0 { (e1 / scale).cross(e2 / scale) } else { Vec3::ZERO }
-    }
-
-    /// Where a slot reads its texture. Meshes without the uv set are read at (0, 0).
-    pub fn places(&self, mesh: &Mesh, slot: &TextureSlot) -> Places {
-        let mut out =
-            Places { uv: Vec::with_capacity(2 * self.len()), jacobian: Vec::with_capacity(4 * self.len()) };
-        let Some(list) = mesh.uv.get(slot.uv_set) else {
-            out.uv.resize(2 * self.len(), 0.0);
-            out.jacobian.resize(4 * self.len(), 0.0);
-            return out;
-        };
-        let [[a, b, c], [d, e, f]] = slot.transform.map(|row| row.map(f64::from));
-        for (&face, Weights { b: w, db }) in self.face.iter().zip(&self.weights) {
-            let corners = mesh.faces[face as usize].map(|v| list[v as usize].map(f64::from));
-            let [u0, v0] = corners[0];
-            let [e1, e2] = [1, 2].map(|k: usize| [corners[k][0] - u0, corners[k][1] - v0]);
-            let (u, v) = (u0 + w[1] * e1[0] + w[2] * e2[0], v0 + w[1] * e1[1] + w[2] * e2[1]);
-            let j: [[f64; 2]; 2] = std::array::from_fn(|i| {
-                std::array::from_fn(|axis| db[0][axis] * e1[i] + db[1][axis] * e2[i])
-            });
-            out.uv.extend([a * u + b * v + c, d * u + e * v + f]);
-            let moved = Jacobian::new([[a, b], [d, e]]).after(Jacobian::new(j)).m;
-            out.jacobian.extend(moved.as_flattened());
-        }
-        out
     }
 }

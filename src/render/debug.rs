@@ -2,7 +2,7 @@
 
 use super::Frame;
 use super::batch::{Batch, Places};
-use super::surface::Sampled;
+use super::surface::{Looks, Sampled};
 use crate::encode::srgb_to_linear;
 use crate::error::{Error, Result};
 use crate::jacobian::Jacobian;
@@ -57,8 +57,9 @@ impl Debug {
         batch: &Batch,
     ) -> Result<Vec<[f32; 4]>> {
         if self == Self::Normals {
-            let surfaces = sampled.surfaces(frame, batch, 0)?;
-            return Ok(surfaces.list.iter().map(|s| shown(s.normal.map(|c| 0.5 * c + 0.5).into())).collect());
+            let base = vec![[1.0; 4]; batch.len()];
+            let surfaces = sampled.surfaces(&mut Looks::new(frame, batch, 0), &base)?;
+            return Ok(surfaces.iter().map(|s| shown(s.normal.map(|c| 0.5 * c + 0.5).into())).collect());
         }
         let plain = TextureSlot {
             image: 0,
@@ -77,7 +78,7 @@ impl Debug {
 
     /// The code, in [0, 1], of one pixel.
     fn color(self, places: &Places, i: usize, [w, h]: [f64; 2]) -> [f32; 3] {
-        let (u, v) = (places.uv[2 * i], places.uv[2 * i + 1]);
+        let [u, v] = places.uv[i];
         let texels: Jacobian = places.jacobian(i).scaled(w, h);
         match self {
             Self::Uv => [(u - u.floor()) as f32, (v - v.floor()) as f32, 0.25],

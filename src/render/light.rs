@@ -1,7 +1,7 @@
 //! Light on the surfaces of a batch.
 
 use super::batch::Batch;
-use super::surface::{Sampled, Surface, Surfaces};
+use super::surface::{Colors, Looks, Sampled, Surface};
 use super::{Eye, Frame};
 use crate::error::Result;
 use crate::mesh::{AlphaMode, Camera, Light, Model};
@@ -22,41 +22,51 @@ pub(super) fn default_lights(camera: &Camera) -> [Light; 2] {
 }
 
 /// Premultiplied colours of a batch.
-pub(super) fn light(
-    frame: &Frame<'_>,
-    sampled: &Sampled<'_>,
-    batch: &Batch,
-    surfaces: &Surfaces,
+pub(super) fn light<'b, 'a>(
+    frame: &'b Frame<'a>,
+    sampled: &'b Sampled<'a>,
+    batch: &'b Batch,
+    seed: u64,
 ) -> Result<Vec<[f32; 4]>> {
-    let slack = sampled.normal_slack();
-    let mut colors = Vec::with_capacity(batch.len());
-    let sky = match frame.view.environment {
-        Some(sky) if !sampled.material.unlit => around(frame, sampled, surfaces, sky, slack)?,
-        _ => Vec::new(),
-    };
-    for (i, s) in surfaces.list.iter().enumerate() {
-        let alpha = match sampled.material.alpha_mode {
-            AlphaMode::Opaque => 1.0,
-            AlphaMode::Mask(cutoff) if s.base[3] < cutoff => {
-                colors.push([0.0; 4]);
+    let mut looks = Looks::new(frame, batch, seed);
+    let Colors { base: mut colors, after_light } = sampled.colors(&mut looks)?;
+    if !sampled.material.unlit {
+        let surfaces = sampled.surfaces(&mut looks, &colors)?;
+        let slack = sampled.normal_slack();
+        let sky = match frame.view.environment {
+            Some(sky) => around(frame, sampled, &surfaces, sky, slack)?,
+            None => Vec::new(),
+        };
+        for (i, (s, color)) in surfaces.iter().zip(&mut colors).enumerate() {
+            if matches!(sampled.material.alpha_mode, AlphaMode::Mask(cutoff) if color[3] < cutoff) {
                 continue;
             }
-            AlphaMode::Mask(_) => 1.0,
-            AlphaMode::Blend => s.base[3].clamp(0.0, 1.0),
-        };
-        let lit = if sampled.material.unlit {
-            Vec3::new(s.base[0], s.base[1], s.base[2])
-        } else {
-            lit(frame, sampled, s, slack) + sky.get(i).copied().unwrap_or_default()
-        };
-        let mut color = [lit.x, lit.y, lit.z, alpha];
-        for (mode, texels) in &surfaces.after_light {
-            color = blend(*mode, color, texels[i]);
+            let lit = lit(frame, sampled, s, slack) + sky.get(i).copied().unwrap_or_default();
+            *color = [lit.x, lit.y, lit.z, color[3]];
         }
-        let [r, g, b, a] = color;
-        let a = if sampled.material.alpha_mode == AlphaMode::Opaque { 1.0 } else { a.clamp(0.0, 1.0) };
-        colors.push([r * a, g * a, b * a, a]);
     }
+    // Where a mask lets through nothing is left, whatever layers make of the alpha.
+    let open: Vec<bool> = match sampled.material.alpha_mode {
+        AlphaMode::Mask(cutoff) => colors.iter().map(|c| c[3] < cutoff).collect(),
+        _ => Vec::new(),
+    };
+    let start: fn(f32) -> f32 = match sampled.material.alpha_mode {
+        AlphaMode::Blend => |a| a.clamp(0.0, 1.0),
+        _ => |_| 1.0,
+    };
+    colors.iter_mut().for_each(|c| c[3] = start(c[3]));
+    for (mode, texels) in after_light {
+        colors.iter_mut().zip(texels).for_each(|(c, t)| *c = blend(mode, *c, t));
+    }
+    if sampled.material.alpha_mode == AlphaMode::Opaque {
+        colors.iter_mut().for_each(|c| c[3] = 1.0);
+        return Ok(colors);
+    }
+    for [r, g, b, a] in &mut colors {
+        *a = a.clamp(0.0, 1.0);
+        (*r, *g, *b) = (*r * *a, *g * *a, *b * *a);
+    }
+    colors.iter_mut().zip(open).filter(|(_, open)| *open).for_each(|(c, _)| *c = [0.0; 4]);
     Ok(colors)
 }
 
@@ -80,11 +90,10 @@ fn phong(sampled: &Sampled<'_>, s: &Surface) -> (Phong, Vec3) {
 fn around(
     frame: &Frame<'_>,
     sampled: &Sampled<'_>,
-    surfaces: &Surfaces,
+    list: &[Surface],
     sky: &Environment,
     slack: f32,
 ) -> Result<Vec<Vec3>> {
-    let list = &surfaces.list;
     let mut sum = Vec::with_capacity(list.len());
     let (mut rays, mut exponents, mut shares) = (Vec::new(), Vec::new(), Vec::new());
     for (i, s) in list.iter().enumerate() {

@@ -3,19 +3,21 @@
 //! ```text
 //!  displacement faces cut to the size of pixels and moved by height maps
 //!  shadows      depth textures from every light, where they are asked for
+//!  bands        faces sorted by the rows that they reach; what follows is done for some rows at a time
 //!  visibility   opaque faces: the nearest at each pixel; the others: layer behind layer, front to back
-//!  batches      the pixels of a tile, sorted by material
+//!  batches      the pixels of some rows, sorted by material
 //!  textures     each texture of a material in one call, with the uv and Jacobians of the whole batch
 //!  light        Phong for each pixel of the batch; the environment by its reflected rays
 //!  compositing  premultiplied, in linear light, front over back, then over the background
+//!  finish       the mean of supersamples; codes for the screen, where these are wanted
 //! ```
 //!
-//! Tiles are cut by the picture alone, so its bytes do not depend on the number of threads.
+//! Bands are cut by the picture alone, so its bytes do not depend on the number of threads.
 
+mod band;
 mod batch;
 mod debug;
 mod displace;
-mod layer;
 mod light;
 mod picture;
 mod report;
@@ -25,12 +27,15 @@ mod textures;
 
 use crate::error::{Error, Result};
 use crate::filter::Filter;
-use crate::mesh::{AlphaMode, Camera, Light, Mesh};
+use crate::mesh::{Camera, Light, Mesh};
 use crate::par;
-use crate::raster::{Cull, Fragments, Geometry, MAX_SIDE, Options as RasterOptions, rasterize};
+use crate::raster::{Geometry, MAX_SIDE, Projected};
 use crate::sampler::Sampler;
 use crate::shade::{Environment, Lights, Ray, over};
 use glam::{DMat3, DVec3};
+use picture::{Finish, Rows};
+use std::collections::BTreeSet;
+use std::sync::{Mutex, PoisonError};
 
 pub use debug::Debug;
 pub use displace::displaced;
@@ -39,8 +44,6 @@ pub use report::{Report, TextureUse};
 pub use shadow::ShadowOptions;
 pub use textures::Textures;
 
-/// Pixels that a thread takes at a time: whole rows, about this many pixels.
-const TILE_PX: usize = 1 << 13;
 /// Layers of transparent faces that are blended at most; what lies behind is left out.
 pub const MAX_LAYERS: usize = 256;
 
@@ -102,7 +105,7 @@ impl Default for Options {
     }
 }
 
-/// What tiles need to know.
+/// What bands need to know.
 struct Frame<'a> {
     view: View<'a>,
     options: &'a Options,
@@ -170,7 +173,7 @@ impl Eye {
 /// let view = View { mesh: &mesh, textures: &textures, camera: &camera, lights: None, environment: None };
 /// let picture = render(&view, (32, 24), &Options::default(), &mut |_| false)?;
 /// assert_eq!(picture.pixels()[12 * 32 + 16], [1.0, 0.0, 0.0, 1.0]); // red, opaque
-/// assert_eq!(picture.to_srgb8()?[..4], [0, 0, 0, 0]); // nothing in the corner
+/// assert_eq!(picture.pixels()[0], [0.0; 4]); // nothing in the corner
 /// # Ok::<(), multum::Error>(())
 /// ```
 pub fn render(
@@ -180,10 +183,58 @@ pub fn render(
     progress: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Picture> {
     check(view, size, options)?;
+    let mut pixels = crate::image::zeros::<[f32; 4]>("size", size.0 * size.1)?;
+    let report = draw(view, size, options, progress, Rows::Light(&mut pixels))?;
+    Ok(Picture::new(size, pixels, report))
+}
+
+/// As [`render`], for the screen: 8-bit sRGB codes and straight alpha, four numbers a pixel, and the report where the
+/// options asked for it. Light beyond 1 is cut off.
+///
+/// # Errors
+/// As [`render`].
+///
+/// ```
+/// # use multum::mesh::{Camera, Mesh};
+/// # use multum::render::{Options, Textures, View, render_srgb8};
+/// let (mesh, textures) = (Mesh::default(), Textures::new());
+/// let view = View {
+///     mesh: &mesh,
+///     textures: &textures,
+///     camera: &Camera::framing(&mesh),
+///     lights: None,
+///     environment: None,
+/// };
+/// let options = Options { background: [0.5, 0.5, 0.5, 1.0], ..Options::default() };
+/// let (codes, _) = render_srgb8(&view, (3, 2), &options, &mut |_| false)?;
+/// assert_eq!(codes, [188, 188, 188, 255].repeat(6));
+/// # Ok::<(), multum::Error>(())
+/// ```
+pub fn render_srgb8(
+    view: &View<'_>,
+    size: (usize, usize),
+    options: &Options,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<(Vec<u8>, Option<Report>)> {
+    check(view, size, options)?;
+    let mut codes = crate::image::zeros::<u8>("size", 4 * size.0 * size.1)?;
+    let report = draw(view, size, options, progress, Rows::Codes(&mut codes))?;
+    Ok((codes, report))
+}
+
+/// Draws what has been checked, into all rows of a picture.
+fn draw(
+    view: &View<'_>,
+    size: (usize, usize),
+    options: &Options,
+    progress: &mut dyn FnMut(f64) -> bool,
+    out: Rows<'_>,
+) -> Result<Option<Report>> {
     let times = options.supersample;
     let fine = (size.0 * times, size.1 * times);
     let moved = displaced(view, fine, options.displacement_edge_px)?;
     let view = &View { mesh: moved.as_ref().unwrap_or(view.mesh), ..*view };
+    let mesh = view.mesh;
     let default_lights = light::default_lights(view.camera);
     let lights = match (view.lights, view.environment) {
         (Some(lights), _) => lights,
@@ -204,41 +255,54 @@ pub fn render(
         eye: Eye::of(view.camera),
         eye_turn: DMat3::from_cols(x, y, z).transpose(),
         shadows,
-        materials: (0..view.mesh.materials.len()).map(|_| None).collect(),
+        materials: (0..mesh.materials.len()).map(|_| None).collect(),
         report: report::Collector::default(),
     };
     let mut step = |done: f64| if progress(done) { Err(Error::Interrupted) } else { Ok(()) };
     step(0.0)?;
 
-    let mut pixels = crate::image::zeros::<[f32; 4]>("size", fine.0 * fine.1)?;
-    let clip = view.camera.project(&view.mesh.positions, fine.0, fine.1);
-    let solid = Drawn::new(view.mesh, &clip, options.debug.is_some(), true)?;
-    let clear = Drawn::new(view.mesh, &clip, options.debug.is_some(), false)?;
-    drop(clip);
-    let nearest = solid.draw(fine, None)?;
-    step(0.2)?;
+    let geometry = Geometry::new(view.camera.project(&mesh.positions, fine.0, fine.1), mesh.faces.clone())?;
+    let projected = Projected::new(&geometry, fine)?;
+    let kinds = band::Kinds::new(mesh, options.debug.is_some());
+    let cut = band::Cut::new(fine, times);
+    let stage = band::Stage::new(&projected, &geometry, &kinds, cut)?;
+    let pool = Pool::default();
+    frame.prepare(&stage, fine.1.div_ceil(cut.rows()), &pool)?;
+    step(0.1)?;
 
-    let mut front: Option<Fragments> = None;
-    for layer in 0..if clear.faces.is_empty() { 0 } else { MAX_LAYERS } {
-        let fragments = clear.draw(fine, front.as_ref())?;
-        if !seen(&fragments, &nearest) {
-            break;
-        }
-        frame.prepare(&clear, &fragments)?;
-        frame.shade(&clear, &fragments, Some(&nearest), layer, &mut pixels, &mut |_| Ok(()))?;
-        front = Some(fragments);
-        step(0.2 + 0.3 * (1.0 - 0.8f64.powi(layer as i32 + 1)))?;
+    let finish = Finish::new(size.0, times, Picture::premultiplied(options.background), &out);
+    let mut bands = out.split(size.0 * cut.rows() / times);
+    let total = bands.len();
+    // So many bands between two calls of `step`.
+    let group = total.div_ceil(32).max(16);
+    let mut first = 0;
+    while first < total {
+        let own: Vec<Rows<'_>> = bands.by_ref().take(group).collect();
+        par::for_each(own.into_iter(), |i, rows| {
+            // Sampling a batch is this thread's own work.
+            pool.with(|scratch| {
+                par::with_threads(Some(1), || band::draw(&frame, &stage, first + i, &finish, rows, scratch))
+            })
+        })?;
+        first = (first + group).min(total);
+        step(0.1 + 0.9 * first as f64 / total as f64)?;
     }
-    drop(front);
-    frame.prepare(&solid, &nearest)?;
-    frame.shade(&solid, &nearest, None, MAX_LAYERS, &mut pixels, &mut |share| step(0.5 + 0.5 * share))?;
+    Ok(options.report.then(|| frame.report.finish(mesh)))
+}
 
-    if let (true, Some(sky)) = (options.show_environment, view.environment) {
-        frame.fill(sky, fine.0, &mut pixels)?;
+/// Rooms to work in, handed from band to band.
+#[derive(Default)]
+struct Pool(Mutex<Vec<band::Scratch>>);
+
+impl Pool {
+    fn with<R>(&self, work: impl FnOnce(&mut band::Scratch) -> R) -> R {
+        let lock = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = lock().pop();
+        let mut scratch = known.unwrap_or_default();
+        let result = work(&mut scratch);
+        lock().push(scratch);
+        result
     }
-    let background = Picture::premultiplied(options.background);
-    let report = options.report.then(|| frame.report.finish(view.mesh));
-    Picture::new(size, times, pixels, background, report)
 }
 
 /// Refuses what cannot be drawn.
@@ -263,103 +327,56 @@ fn check(view: &View<'_>, (width, height): (usize, usize), options: &Options) ->
     view.mesh.check()
 }
 
-/// Faces that are drawn together.
-struct Drawn {
-    geometry: Geometry,
-    /// Their numbers in the mesh.
-    faces: Vec<u32>,
-    /// Whose backs are left out.
-    single_sided: Vec<bool>,
-}
-
-impl Drawn {
-    /// The faces of opaque materials, or all others. `all_solid` takes every face for opaque.
-    fn new(mesh: &Mesh, clip: &[[f64; 4]], all_solid: bool, solid: bool) -> Result<Self> {
-        let material = |&face: &u32| &mesh.materials[mesh.face_material[face as usize] as usize];
-        let faces: Vec<u32> = (0..mesh.faces.len() as u32)
-            .filter(|f| (all_solid || material(f).alpha_mode == AlphaMode::Opaque) == solid)
-            .collect();
-        let single_sided = faces.iter().map(|f| !material(f).double_sided).collect();
-        let corners = faces.iter().map(|&f| mesh.faces[f as usize]).collect::<Vec<_>>();
-        let positions = if faces.is_empty() { Vec::new() } else { clip.to_vec() };
-        Ok(Self { geometry: Geometry::new(positions, corners)?, faces, single_sided })
-    }
-
-    fn draw(&self, size: (usize, usize), behind: Option<&Fragments>) -> Result<Fragments> {
-        let cull = Cull::BackOf(&self.single_sided);
-        rasterize(&self.geometry, size, &RasterOptions { cull, samples: 1, behind })
-    }
-}
-
-/// Whether a layer has a pixel in front of what is opaque.
-fn seen(layer: &Fragments, nearest: &Fragments) -> bool {
-    let pairs = layer.depth().iter().zip(nearest.depth());
-    layer.triangle().iter().zip(pairs).any(|(&t, (z, solid))| t >= 0 && z < solid)
-}
-
 impl<'a> Frame<'a> {
-    /// Loads the textures of the materials that a layer shows.
-    fn prepare(&mut self, drawn: &Drawn, fragments: &Fragments) -> Result<()> {
-        let mut last = -1;
-        for &t in fragments.triangle() {
-            if t < 0 || t == last {
-                continue;
+    /// Opens the materials that are seen. Textures that no pixel shows are not decoded.
+    fn prepare(&mut self, stage: &band::Stage<'_>, bands: usize, pool: &Pool) -> Result<()> {
+        let mesh = self.view.mesh;
+        let mut near = vec![false; mesh.materials.len()];
+        stage.faces().for_each(|face| near[mesh.face_material[face] as usize] = true);
+        let mut all_known = true;
+        for material in (0..near.len()).filter(|&m| near[m]) {
+            if surface::Sampled::are_known(&self.view, material) {
+                self.materials[material] = Some(surface::Sampled::new(&self.view, material, self.options)?);
+            } else {
+                all_known = false;
             }
-            last = t;
-            let face = drawn.faces[t as usize] as usize;
-            let material = self.view.mesh.face_material[face] as usize;
-            if self.materials[material].is_none() {
-                let made = surface::Sampled::new(&self.view, material, self.options)?;
-                self.materials[material] = Some(made);
+        }
+        if all_known {
+            return Ok(());
+        }
+        let seen = Mutex::new(BTreeSet::new());
+        par::for_each(0..bands, |_, band| {
+            let own = pool.with(|scratch| stage.materials(mesh, band, scratch));
+            seen.lock().unwrap_or_else(PoisonError::into_inner).extend(own);
+            Ok(())
+        })?;
+        for material in seen.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            let place = &mut self.materials[material as usize];
+            if place.is_none() {
+                *place = Some(surface::Sampled::new(&self.view, material as usize, self.options)?);
             }
         }
         Ok(())
     }
 
-    /// Shades a layer and puts it under what the pixels hold.
-    fn shade(
-        &self,
-        drawn: &Drawn,
-        fragments: &Fragments,
-        nearest: Option<&Fragments>,
-        layer: usize,
-        pixels: &mut [[f32; 4]],
-        step: &mut dyn FnMut(f64) -> Result<()>,
-    ) -> Result<()> {
-        let width = fragments.width();
-        let rows = (TILE_PX / width).max(1);
-        let tiles = fragments.height().div_ceil(rows);
-        // So many tiles between two calls of `step`.
-        let group = tiles.div_ceil(32).max(64);
-        for (g, part) in pixels.chunks_mut(group * rows * width).enumerate() {
-            par::for_each(part.chunks_mut(rows * width), |i, tile| {
-                let first = (g * group + i) * rows;
-                let own = first..(first + rows).min(fragments.height());
-                // Sampling a batch is this thread's own work.
-                par::with_threads(Some(1), || {
-                    layer::shade_tile(self, drawn, (fragments, nearest), own, layer, tile)
-                })
-            })?;
-            step(((g + 1) * group).min(tiles) as f64 / tiles as f64)?;
-        }
-        Ok(())
+    /// The environment, where it is to be seen.
+    fn sky(&self) -> Option<&Environment> {
+        self.view.environment.filter(|_| self.options.show_environment)
     }
 
-    /// Puts the environment under what the pixels hold.
-    fn fill(&self, sky: &Environment, width: usize, pixels: &mut [[f32; 4]]) -> Result<()> {
-        let size = (width, pixels.len() / width);
-        par::for_each(pixels.chunks_mut(width), |y, row| {
-            let open: Vec<usize> = (0..width).filter(|&x| row[x][3] < 1.0).collect();
+    /// Puts the environment, where it is to be seen, under what the pixels of some rows hold.
+    fn fill(&self, size: (usize, usize), top: usize, pixels: &mut [[f32; 4]]) -> Result<()> {
+        let Some(sky) = self.sky() else { return Ok(()) };
+        for (row, y) in pixels.chunks_mut(size.0).zip(top..) {
+            let open: Vec<usize> = (0..size.0).filter(|&x| row[x][3] < 1.0).collect();
             let rays: Vec<Ray> = open.iter().map(|&x| self.ray(x, y, size)).collect();
             let sharp = vec![f32::INFINITY; rays.len()];
-            let light = par::with_threads(Some(1), || {
-                sky.mirrored(&rays, &sharp, self.eye_turn, &self.options.sampler)
-            })?;
+            let light = sky.mirrored(&rays, &sharp, self.eye_turn, &self.options.sampler)?;
             for (x, light) in open.into_iter().zip(light) {
                 row[x] = over(row[x], light.extend(1.0).to_array());
             }
-            Ok(())
-        })
+        }
+        Ok(())
     }
 
     /// The ray from the eye through a pixel's centre: where the planes of its column and its row meet.

@@ -60,7 +60,7 @@ impl Collector {
         let grid = (size.0.min(CELLS), size.1.min(CELLS));
         let mut own = Seen { size, bins: [0; BINS], cells: vec![false; grid.0 * grid.1], grid };
         let mut all_touched = false;
-        for i in 0..places.uv.len() / 2 {
+        for (i, uv) in places.uv.iter().enumerate() {
             let jacobian = places.jacobian(i);
             let lod = LodRule::Major.lod(jacobian.scaled(size.0 as f64, size.1 as f64));
             let bin = if lod < 0.0 { 0 } else { (lod as usize + 1).min(BINS - 1) };
@@ -72,7 +72,7 @@ impl Collector {
             let spans = [0, 1].map(|axis| {
                 let (n, cells) = if axis == 0 { (size.0, grid.0) } else { (size.1, grid.1) };
                 let half = 0.5 * (jacobian.m[axis][0].abs() + jacobian.m[axis][1].abs()).max(1.0 / n as f64);
-                let centre = places.uv[2 * i + axis];
+                let centre = uv[axis];
                 let [lo, hi] = [centre - half, centre + half].map(|x| (x * cells as f64).floor() as i64);
                 (lo, hi.min(lo.saturating_add(cells as i64 - 1)))
             });

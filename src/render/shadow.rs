@@ -8,7 +8,7 @@ use super::surface::Sampled;
 use super::{Options, View};
 use crate::error::{Error, Result};
 use crate::mesh::{AlphaMode, Camera, Light, Mesh, Projection};
-use crate::raster::{Fragments, Geometry, MAX_SIDE, Options as RasterOptions, rasterize};
+use crate::raster::{Fragments, Geometry, MAX_SIDE, Options as RasterOptions, rasterize, runs};
 use crate::shade::{DepthMap, Receiver};
 use glam::{DMat4, DVec3, DVec4};
 
@@ -188,18 +188,28 @@ impl Caster<'_> {
     /// Lowers depths where a layer of masked faces is seen.
     fn stop(&self, geometry: &Geometry, faces: &[u32], layer: &Fragments, depth: &mut [f32]) -> Result<()> {
         let mut batches: Vec<Batch> = (0..self.mesh.materials.len()).map(|_| Batch::default()).collect();
-        layer.walk(geometry, 0..self.size, |p, face, weights| {
-            let face = faces[face];
-            if layer.depth()[p] < depth[p] {
-                batches[self.mesh.face_material[face as usize] as usize].push(p, face as usize, weights);
-            }
-        })?;
+        let size = (self.size, self.size);
+        for y in 0..self.size {
+            runs(layer.row(y), |pixels, face| {
+                let of = (geometry, face);
+                let face = faces[face] as usize;
+                let batch = &mut batches[self.mesh.face_material[face] as usize];
+                let number = batch.add(face, of, [pixels.start, y], size);
+                for x in pixels {
+                    let p = y * self.size + x;
+                    if layer.depth()[p] < depth[p] {
+                        batch.push(p, x..x + 1, y, number);
+                    }
+                }
+                Ok(())
+            })?;
+        }
         for (batch, sampled) in batches.iter().zip(&self.masked) {
             let (Some(sampled), true) = (sampled, batch.len() > 0) else { continue };
             let AlphaMode::Mask(cutoff) = sampled.material.alpha_mode else { continue };
-            for (&p, alpha) in batch.pixel.iter().zip(sampled.alpha(self.mesh, batch)?) {
+            for (p, alpha) in batch.pixels().zip(sampled.alpha(self.mesh, batch)?) {
                 if alpha >= cutoff {
-                    depth[p as usize] = layer.depth()[p as usize];
+                    depth[p] = layer.depth()[p];
                 }
             }
         }

@@ -1,6 +1,6 @@
 //! What textures make of a batch: the numbers that light needs, pixel by pixel.
 
-use super::batch::{Batch, Moving, Places};
+use super::batch::{Batch, Moving, Places, Spot};
 use super::textures::Use;
 use super::{Frame, Options, View};
 use crate::error::Result;
@@ -68,9 +68,9 @@ pub(super) struct Surface {
     pub emissive: Vec3,
 }
 
-/// The surfaces of a batch, and the textures that meet their lit colours.
-pub(super) struct Surfaces {
-    pub list: Vec<Surface>,
+/// Straight colour and alpha of a batch, and the textures that meet the lit colours.
+pub(super) struct Colors {
+    pub base: Vec<[f32; 4]>,
     pub after_light: Vec<(Blend, Vec<[f32; 4]>)>,
 }
 
@@ -86,25 +86,25 @@ impl<'a> Slot<'a> {
         Ok(Self { slot, texture, how, has_alpha })
     }
 
-    /// Grey becomes three equal numbers, missing alpha 1.
-    fn rgba(&self, texel: &[f32]) -> [f32; 4] {
-        let [r, g, b, a] = match *texel {
-            [l] => [l, l, l, 1.0],
-            [l, a] => [l, l, l, a],
-            [r, g, b] => [r, g, b, 1.0],
-            [r, g, b, a, ..] => [r, g, b, a],
-            [] => [0.0; 4],
-        };
-        [r, g, b, if self.has_alpha { a } else { 1.0 }]
+    /// Texels with four numbers: grey becomes three equal ones, missing alpha 1.
+    fn rgba(&self, texels: &[f32]) -> Vec<[f32; 4]> {
+        let alpha = |a: f32| if self.has_alpha { a } else { 1.0 };
+        match self.texture.channels() {
+            1 => texels.iter().map(|&l| [l, l, l, 1.0]).collect(),
+            2 => texels.as_chunks().0.iter().map(|&[l, a]| [l, l, l, alpha(a)]).collect(),
+            3 => texels.as_chunks().0.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect(),
+            n => texels.chunks_exact(n).map(|t| [t[0], t[1], t[2], alpha(t[3])]).collect(),
+        }
     }
 
     /// One texel a place.
     pub fn sample(&self, places: &Places, seed: u64) -> Result<Vec<[f32; 4]>> {
-        let (channels, count) = (self.texture.channels(), places.uv.len() / 2);
+        let (channels, count) = (self.texture.channels(), places.uv.len());
         let mut texels = vec![0f32; count * channels];
         let run = |sampler: &Sampler, places: &Places, out: &mut [f32]| {
             let sampler = Sampler { seed: sampler.seed ^ seed, ..*sampler };
-            sampler.sample(&self.texture, &places.uv, Extent::Jacobian(&places.jacobian), out)
+            let jacobian = places.jacobian.as_flattened();
+            sampler.sample(&self.texture, places.uv.as_flattened(), Extent::Jacobian(jacobian), out)
         };
         match &self.how {
             How::One(sampler) => run(sampler, places, &mut texels)?,
@@ -115,12 +115,8 @@ impl<'a> Slot<'a> {
                     let chosen: Vec<usize> =
                         (0..count).filter(|&i| (lod(i) + sampler.lod_bias <= *limit) == enlarges).collect();
                     let part = Places {
-                        uv: chosen.iter().flat_map(|i| &places.uv[2 * i..][..2]).copied().collect(),
-                        jacobian: chosen
-                            .iter()
-                            .flat_map(|i| &places.jacobian[4 * i..][..4])
-                            .copied()
-                            .collect(),
+                        uv: chosen.iter().map(|&i| places.uv[i]).collect(),
+                        jacobian: chosen.iter().map(|&i| places.jacobian[i]).collect(),
                     };
                     let mut own = vec![0f32; chosen.len() * channels];
                     run(sampler, &part, &mut own)?;
@@ -130,7 +126,7 @@ impl<'a> Slot<'a> {
                 }
             }
         }
-        Ok(texels.chunks_exact(channels).map(|texel| self.rgba(texel)).collect())
+        Ok(self.rgba(&texels))
     }
 }
 
@@ -154,40 +150,86 @@ impl How {
     }
 }
 
-/// Places by uv set and transform, computed once for all slots that share them.
-struct Shared<'a> {
-    batch: &'a Batch,
-    mesh: &'a Mesh,
-    made: Vec<(&'a TextureSlot, Places)>,
+/// Reads textures at the places of a batch, which are computed once for all slots that share them.
+pub(super) struct Looks<'b, 'a> {
+    frame: &'b Frame<'a>,
+    pub batch: &'b Batch,
+    /// For random numbers: every batch its own, the same for any number of threads.
+    seed: u64,
+    made: Vec<(&'b TextureSlot, Places)>,
 }
 
-impl<'a> Shared<'a> {
-    fn of(&mut self, slot: &'a TextureSlot) -> &Places {
+impl<'b, 'a> Looks<'b, 'a> {
+    pub fn new(frame: &'b Frame<'a>, batch: &'b Batch, seed: u64) -> Self {
+        Self { frame, batch, seed, made: Vec::new() }
+    }
+
+    /// One texel a pixel.
+    fn read(&mut self, slot: &'b Slot<'a>) -> Result<Vec<[f32; 4]>> {
+        let (frame, seed) = (self.frame, self.seed);
+        let places = self.of(slot.slot);
+        if frame.options.report {
+            frame.report.add(slot, places);
+        }
+        slot.sample(places, seed)
+    }
+
+    /// One texel a pixel, where there is a texture.
+    fn look(&mut self, slot: &'b Option<Slot<'a>>) -> Result<Vec<[f32; 4]>> {
+        slot.as_ref().map_or_else(|| Ok(Vec::new()), |slot| self.read(slot))
+    }
+
+    /// Where a slot is read.
+    fn of(&mut self, slot: &'b TextureSlot) -> &Places {
         let same = |s: &TextureSlot| s.uv_set == slot.uv_set && s.transform == slot.transform;
         let known = self.made.iter().position(|(s, _)| same(s));
         let index = known.unwrap_or_else(|| {
-            self.made.push((slot, self.batch.places(self.mesh, slot)));
+            self.made.push((slot, self.batch.places(self.frame.view.mesh, slot)));
             self.made.len() - 1
         });
         &self.made[index].1
     }
 }
 
+/// What light makes of a material's slot of this name; `None` for those that it does not read.
+fn purpose(material: &Material, name: &str) -> Option<Use> {
+    match name {
+        "base_color_texture" => Some(match material.alpha_mode {
+            AlphaMode::Opaque => Use::Color,
+            AlphaMode::Blend => Use::ColorAlpha,
+            // The share of alpha above the cut-off is that of texture times factor.
+            AlphaMode::Mask(cutoff) => match cutoff / material.base_color[3] {
+                share if share > 0.0 => Use::Cutout(share.min(1.0).to_bits()),
+                _ => Use::ColorAlpha,
+            },
+        }),
+        "alpha_texture" => Some(Use::Data),
+        "layers" => Some(Use::ColorAlpha),
+        "displacement_texture" => None,
+        // What only light would show.
+        _ if material.unlit => None,
+        "normal_texture" => Some(Use::Normal),
+        "bump_texture" => Some(Use::Slopes),
+        "emissive_texture" | "specular_texture" => Some(Use::Color),
+        _ => Some(Use::Data),
+    }
+}
+
 impl<'a> Sampled<'a> {
+    /// Whether the textures of a material have all been made.
+    pub fn are_known(view: &View<'_>, material: usize) -> bool {
+        let material = &view.mesh.materials[material];
+        let wanted = material.slots().into_iter();
+        view.textures.have(wanted.filter_map(|(name, slot)| Some((slot, purpose(material, name)?))))
+    }
+
     /// Reads the textures of a material.
     pub fn new(view: &View<'a>, material: usize, options: &Options) -> Result<Self> {
         let mesh: &'a Mesh = view.mesh;
         let material = &mesh.materials[material];
-        let color = match material.alpha_mode {
-            AlphaMode::Opaque => Use::Color,
-            AlphaMode::Blend => Use::ColorAlpha,
-            // The share of alpha above the cut-off is that of texture times factor.
-            AlphaMode::Mask(cutoff) => {
-                Use::Cutout((cutoff / material.base_color[3]).clamp(0.0, 1.0).to_bits())
-            }
-        };
-        let open = |slot: &'a Option<TextureSlot>, what| {
-            slot.as_ref().map(|slot| Slot::new(view, slot, what, options)).transpose()
+        let open = |name, slot: &'a Option<TextureSlot>| match (slot, purpose(material, name)) {
+            (Some(slot), Some(what)) => Slot::new(view, slot, what, options).map(Some),
+            _ => Ok(None),
         };
         let layer = |layer: &'a crate::mesh::Layer| {
             let slot = Slot::new(view, &layer.texture, Use::ColorAlpha, options)?;
@@ -195,15 +237,15 @@ impl<'a> Sampled<'a> {
         };
         Ok(Self {
             material,
-            base: open(&material.base_color_texture, color)?,
-            alpha: open(&material.alpha_texture, Use::Data)?,
-            metallic_roughness: open(&material.metallic_roughness_texture, Use::Data)?,
-            normal: open(&material.normal_texture, Use::Normal)?,
-            bump: open(&material.bump_texture, Use::Slopes)?,
-            occlusion: open(&material.occlusion_texture, Use::Data)?,
-            emissive: open(&material.emissive_texture, Use::Color)?,
-            specular: open(&material.specular_texture, Use::Color)?,
-            shininess: open(&material.shininess_texture, Use::Data)?,
+            base: open("base_color_texture", &material.base_color_texture)?,
+            alpha: open("alpha_texture", &material.alpha_texture)?,
+            metallic_roughness: open("metallic_roughness_texture", &material.metallic_roughness_texture)?,
+            normal: open("normal_texture", &material.normal_texture)?,
+            bump: open("bump_texture", &material.bump_texture)?,
+            occlusion: open("occlusion_texture", &material.occlusion_texture)?,
+            emissive: open("emissive_texture", &material.emissive_texture)?,
+            specular: open("specular_texture", &material.specular_texture)?,
+            shininess: open("shininess_texture", &material.shininess_texture)?,
             layers: material.layers.iter().map(layer).collect::<Result<_>>()?,
         })
     }
@@ -225,7 +267,7 @@ impl<'a> Sampled<'a> {
     /// Alpha of a batch, before layers.
     pub fn alpha(&self, mesh: &Mesh, batch: &Batch) -> Result<Vec<f32>> {
         let start = self.material.base_color[3];
-        let mut alpha: Vec<f32> = (0..batch.len()).map(|i| start * batch.color(mesh, i)[3]).collect();
+        let mut alpha: Vec<f32> = batch.spots().map(|spot| start * spot.color(mesh)[3]).collect();
         for (slot, channel) in [(&self.base, 3), (&self.alpha, 0)] {
             let Some(slot) = slot else { continue };
             for (a, texel) in alpha.iter_mut().zip(slot.sample(&batch.places(mesh, slot.slot), 0)?) {
@@ -235,62 +277,64 @@ impl<'a> Sampled<'a> {
         Ok(alpha)
     }
 
-    /// Samples every texture and sorts the numbers by pixel.
-    pub fn surfaces(&self, frame: &Frame<'a>, batch: &Batch, seed: u64) -> Result<Surfaces> {
-        let (mesh, m) = (frame.view.mesh, self.material);
-        let mut shared = Shared { batch, mesh, made: Vec::new() };
-        let mut list: Vec<Surface> = (0..batch.len()).map(|i| self.bare(frame, batch, i)).collect();
-        let mut read = |slot: &Option<Slot<'a>>| -> Result<Option<Vec<[f32; 4]>>> {
-            let Some(slot) = slot else { return Ok(None) };
-            let places = shared.of(slot.slot);
-            if frame.options.report {
-                frame.report.add(slot, places);
+    /// Colour and alpha before light.
+    pub fn colors<'b>(&'b self, looks: &mut Looks<'b, 'a>) -> Result<Colors> {
+        let (mesh, factor) = (looks.frame.view.mesh, self.material.base_color);
+        let mut base = looks.look(&self.base)?;
+        if base.is_empty() {
+            base.resize(looks.batch.len(), factor);
+        } else if factor != [1.0; 4] {
+            base.iter_mut().for_each(|c| *c = blend(Blend::Modulate, factor, *c));
+        }
+        if !mesh.colors.is_empty() {
+            for (c, spot) in base.iter_mut().zip(looks.batch.spots()) {
+                *c = blend(Blend::Modulate, *c, spot.color(mesh));
             }
-            slot.sample(places, seed).map(Some)
-        };
-        for (s, t) in list.iter_mut().zip(read(&self.base)?.into_iter().flatten()) {
-            s.base = blend(Blend::Modulate, s.base, t);
         }
-        for (s, t) in list.iter_mut().zip(read(&self.alpha)?.into_iter().flatten()) {
-            s.base[3] *= t[0];
+        for (c, t) in base.iter_mut().zip(looks.look(&self.alpha)?) {
+            c[3] *= t[0];
         }
-        for (s, t) in list.iter_mut().zip(read(&self.metallic_roughness)?.into_iter().flatten()) {
+        let mut after_light = Vec::new();
+        for (slot, mode, after) in &self.layers {
+            let texels = looks.read(slot)?;
+            if *after {
+                after_light.push((*mode, texels));
+            } else {
+                base.iter_mut().zip(texels).for_each(|(c, t)| *c = blend(*mode, *c, t));
+            }
+        }
+        Ok(Colors { base, after_light })
+    }
+
+    /// What light needs of each pixel, given the colours.
+    pub fn surfaces<'b>(&'b self, looks: &mut Looks<'b, 'a>, base: &[[f32; 4]]) -> Result<Vec<Surface>> {
+        let (frame, batch, m) = (looks.frame, looks.batch, self.material);
+        let mesh = frame.view.mesh;
+        let mut list: Vec<Surface> =
+            batch.spots().zip(base).map(|(spot, base)| self.bare(frame, &spot, *base)).collect();
+        for (s, t) in list.iter_mut().zip(looks.look(&self.metallic_roughness)?) {
             (s.roughness, s.metallic) = (s.roughness * t[1], s.metallic * t[2]);
         }
-        for (s, t) in list.iter_mut().zip(read(&self.occlusion)?.into_iter().flatten()) {
+        for (s, t) in list.iter_mut().zip(looks.look(&self.occlusion)?) {
             s.occlusion = 1.0 + m.occlusion_strength * (t[0] - 1.0);
         }
-        for (s, t) in list.iter_mut().zip(read(&self.emissive)?.into_iter().flatten()) {
+        for (s, t) in list.iter_mut().zip(looks.look(&self.emissive)?) {
             s.emissive *= Vec3::new(t[0], t[1], t[2]);
         }
-        for (s, t) in list.iter_mut().zip(read(&self.specular)?.into_iter().flatten()) {
+        for (s, t) in list.iter_mut().zip(looks.look(&self.specular)?) {
             let gloss = Vec3::new(t[0], t[1], t[2]);
             (s.specular, s.mirror) = (s.specular * gloss, s.mirror * gloss);
         }
-        for (s, t) in list.iter_mut().zip(read(&self.shininess)?.into_iter().flatten()) {
+        for (s, t) in list.iter_mut().zip(looks.look(&self.shininess)?) {
             s.shininess *= t[0];
         }
-        for (i, t) in read(&self.normal)?.into_iter().flatten().enumerate() {
-            self.turn(&mut list[i], mesh, batch, i, Vec3::new(t[0], t[1], t[2]));
+        let vectors = looks.look(&self.normal)?;
+        for ((s, t), spot) in list.iter_mut().zip(vectors).zip(batch.spots()) {
+            self.turn(s, mesh, &spot, Vec3::new(t[0], t[1], t[2]));
         }
-        let bumps = read(&self.bump)?;
-        let mut after_light = Vec::new();
-        for (slot, mode, after) in &self.layers {
-            let places = shared.of(slot.slot);
-            if frame.options.report {
-                frame.report.add(slot, places);
-            }
-            let texels = slot.sample(places, seed)?;
-            if *after {
-                after_light.push((*mode, texels));
-                continue;
-            }
-            for (s, t) in list.iter_mut().zip(texels) {
-                s.base = blend(*mode, s.base, t);
-            }
-        }
-        if let (Some(heights), Some(slot)) = (bumps, &self.bump) {
-            let places = shared.of(slot.slot);
+        if let Some(slot) = &self.bump {
+            let heights = looks.read(slot)?;
+            let places = looks.of(slot.slot);
             for (i, (s, [d, du, dv, _])) in list.iter_mut().zip(heights).enumerate() {
                 let j = places.jacobian(i).m;
                 let slope = [0, 1].map(|axis| {
@@ -298,18 +342,20 @@ impl<'a> Sampled<'a> {
                 });
                 let n = &s.smooth;
                 let curvature = frame.options.bump_curvature.then_some((m.bump_scale * d, [n.dx, n.dy]));
-                s.normal = bumped([s.point.dx, s.point.dy], s.normal, slope, curvature);
+                // Of the smooth surface that the faces stand for: without a slope its normal is left.
+                let tangents = [s.point.dx, s.point.dy].map(|d| d - s.normal * s.normal.dot(d));
+                s.normal = bumped(tangents, s.normal, slope, curvature);
             }
         }
-        Ok(Surfaces { list, after_light })
+        Ok(list)
     }
 
     /// A pixel's surface without textures.
-    fn bare(&self, frame: &Frame<'_>, batch: &Batch, i: usize) -> Surface {
+    fn bare(&self, frame: &Frame<'_>, spot: &Spot, base: [f32; 4]) -> Surface {
         let (mesh, m) = (frame.view.mesh, self.material);
-        let point = batch.vector(mesh, &mesh.positions, i);
-        let n = batch.vector(mesh, &mesh.normals, i);
-        let back = m.double_sided && batch.face_normal(mesh, i).dot(frame.eye.from(point.at)) < 0.0;
+        let point = spot.vector(mesh, &mesh.positions);
+        let n = spot.vector(mesh, &mesh.normals);
+        let back = m.double_sided && spot.face_normal(mesh).dot(frame.eye.from(point.at)) < 0.0;
         let side = if back { -1.0 } else { 1.0 };
         let length = n.at.length();
         let scale = if length > 0.0 { side / length } else { 0.0 };
@@ -317,13 +363,12 @@ impl<'a> Sampled<'a> {
         // The derivative of the normalised normal lies in its plane.
         let [dx, dy] = [n.dx, n.dy].map(|d| (d - normal * normal.dot(d)) * scale);
         let smooth = Moving { at: normal, dx, dy };
-        let vertex = batch.color(mesh, i);
         Surface {
             point,
             smooth,
             normal,
             normal_length: 1.0,
-            base: std::array::from_fn(|c| m.base_color[c] * vertex[c]),
+            base,
             metallic: m.metallic,
             roughness: m.roughness,
             specular: m.specular.into(),
@@ -335,15 +380,15 @@ impl<'a> Sampled<'a> {
     }
 
     /// Turns the normal by the vector of a normal map.
-    fn turn(&self, s: &mut Surface, mesh: &Mesh, batch: &Batch, i: usize, vector: Vec3) {
+    fn turn(&self, s: &mut Surface, mesh: &Mesh, spot: &Spot, vector: Vec3) {
         s.normal_length = vector.length();
-        let n = batch.vector(mesh, &mesh.normals, i).at;
+        let n = spot.normal(mesh);
         // The interpolated normal, not the one that may have been turned round to the back.
         let side = if n.dot(s.smooth.at) < 0.0 { -1.0 } else { 1.0 };
         s.normal = side
             * match self.material.normal_space {
                 NormalSpace::Tangent => {
-                    let (t, sign) = batch.tangent(mesh, i);
+                    let (t, sign) = spot.tangent(mesh);
                     tangent_normal(n, t, sign, vector, self.material.normal_scale)
                 }
                 NormalSpace::Object => vector.try_normalize().unwrap_or(n.normalize_or(Vec3::Z)),

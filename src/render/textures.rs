@@ -41,6 +41,12 @@ impl Textures {
         Self::default()
     }
 
+    /// Whether every texture in this list of slots and uses has been made.
+    pub(super) fn have<'a>(&self, slots: impl IntoIterator<Item = (&'a TextureSlot, Use)>) -> bool {
+        let made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        slots.into_iter().all(|(slot, what)| made.contains_key(&key(slot, what)))
+    }
+
     /// The texture of a slot, with what `sampler` reads of it made.
     pub(super) fn get(
         &self,
@@ -49,7 +55,7 @@ impl Textures {
         what: Use,
         sampler: &Sampler,
     ) -> Result<Arc<Texture<'static>>> {
-        let key = (slot.image, slot.encoding, slot.wrap, what);
+        let key = key(slot, what);
         let lock = || self.made.lock().unwrap_or_else(PoisonError::into_inner);
         let known = lock().get(&key).cloned();
         let texture = match known {
@@ -67,6 +73,10 @@ impl Textures {
         sampler.sample(&texture, &[0.5f32, 0.5], Extent::Jacobian(&[1.0, 0.0, 0.0, 1.0]), &mut one)?;
         Ok(texture)
     }
+}
+
+fn key(slot: &TextureSlot, what: Use) -> Key {
+    (slot.image, slot.encoding, slot.wrap, what)
 }
 
 /// Pixels of an image, wherever they are.

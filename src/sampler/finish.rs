@@ -29,8 +29,13 @@ impl<O: Copy> Slots<'_, O> {
             let count = out.len() / self.channels;
             average(places, self.first + block * BLOCK, &mut averages[..count]);
             for (out, average) in out.chunks_exact_mut(self.channels).zip(&averages) {
-                for (out, value) in out[4 * self.group..].iter_mut().zip(finish(*average)) {
-                    *out = value;
+                let [x, y, z, w] = finish(*average);
+                match &mut out[4 * self.group..] {
+                    [a, b, c, d, ..] => (*a, *b, *c, *d) = (x, y, z, w),
+                    [a, b, c] => (*a, *b, *c) = (x, y, z),
+                    [a, b] => (*a, *b) = (x, y),
+                    [a] => *a = x,
+                    [] => {}
                 }
             }
         }

@@ -159,6 +159,25 @@ impl<T: Texel> Decode<T> for Decoder {
         values
     }
 
+    #[inline(always)]
+    fn pair<L: Lanes>(&self, codes: &[T; 8]) -> L {
+        // Bytes of colours or normals without alpha, the usual case: no lane is another's exception.
+        if T::DTYPE == DType::U8
+            && self.alpha_lane.min(self.linear_lane) == 4
+            && let Some(Ok(table)) = self.table.map(<&[f32; 256]>::try_from)
+        {
+            // A loop: the closure of `map` may be left as a call.
+            let mut values = [0.0; 8];
+            for (value, code) in values.iter_mut().zip(codes) {
+                *value = table[code.index() & 255];
+            }
+            return L::load(&values);
+        }
+        let [a, b, c, d, e, f, g, h] = *codes;
+        let ([a, b, c, d], [e, f, g, h]) = (self.texel([a, b, c, d]), self.texel([e, f, g, h]));
+        L::load(&[a, b, c, d, e, f, g, h].map(|x| x.to_f64() as f32))
+    }
+
     fn outside(&self, value: [f64; 4]) -> [T::Real; 4] {
         value.map(T::Real::from_f64)
     }

@@ -83,7 +83,7 @@ def run(options: argparse.Namespace) -> None:
     with Progress(1 + options.turntable) as progress:
         progress.step(f"reading {os.path.basename(options.model)}")
         scene = Scene.open(options.model)
-        camera = scene.camera(options.camera)
+        camera = scene.camera(options.camera, options.size, turning=options.turntable > 1)
         sky = None
         if options.environment is not None:
             picture = read_image(options.environment)
