@@ -1,41 +1,16 @@
 """Pictures of scenes against a ray caster in float64, closed forms and the order of layers."""
 
 import doctest
-import json
-import os
 import threading
 import time
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import multum as mt
+from render_scenes import FACES, SQUARE, UV, WHITE, close, noise, square
 from render_truth import Array, bilinear, cast, rays, srgb_to_linear
-
-DATA = Path(os.environ.get("MULTUM_DATA", Path(__file__).parents[3] / "shared" / "data"))
-SQUARE = np.array([[-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]], np.float32)
-FACES = [[0, 3, 2], [0, 2, 1]]
-UV = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
-WHITE = mt.Material(unlit=True)
-
-
-def square(**keywords: Any) -> mt.Mesh:
-    """A square of side 2 that faces +z."""
-    return mt.Mesh.build(SQUARE, FACES, uv=UV, **keywords)
-
-
-def close(mesh: mt.Mesh, size: tuple[int, int] = (16, 16), **keywords: Any) -> NDArray[np.float32]:
-    """Linear colours of a scene that fills the picture: the square's sides are the picture's."""
-    camera = mt.Camera((0, 0, 1), fov=90)
-    return mt.render(mt.Scene(mesh), camera, size, output="linear", **keywords)
-
-
-def noise(shape: tuple[int, ...], seed: int = 0) -> NDArray[np.uint8]:
-    return np.random.default_rng(seed).integers(0, 256, shape, np.uint8)
 
 
 def test_textured_scene_is_its_supersampled_truth() -> None:
@@ -220,74 +195,6 @@ def test_sides_colours_layers_and_transform() -> None:
     )
 
 
-def test_normal_maps() -> None:
-    """A plane whose map leans by known angles is lit like the leaning plane; mirrored uv mirror it."""
-    lean = np.array([0.6, 0.0, 0.8])
-    texel = np.float32((lean + 1) / 2).reshape(1, 1, 3)
-    slot = mt.TextureSlot(0, encoding="normal")
-    material = mt.Material(normal_texture=slot)
-    lamp = np.array([0.48, 0.6, 0.64])
-    lights = [mt.light.Directional(-lamp)]
-    plain = close(square(material=material, images=[texel]), lights=lights)
-    np.testing.assert_allclose(plain[..., 0], lean @ lamp, atol=1e-6)
-    mirrored = mt.Mesh.build(SQUARE, FACES, uv=UV * [-1, 1], material=material, images=[texel])
-    np.testing.assert_allclose(close(mirrored, lights=lights)[..., 0], lean * [-1, 1, 1] @ lamp, atol=1e-6)
-    turned = mt.Mesh.build(SQUARE, FACES, uv=UV[:, ::-1], material=material, images=[texel])
-    # u runs down there: x of the map is -y of the scene.
-    np.testing.assert_allclose(close(turned, lights=lights)[..., 0], [0, -0.6, 0.8] @ lamp, atol=1e-6)
-    up = np.float32((np.array([0, 0.6, 0.8]) + 1) / 2).reshape(1, 1, 3)
-    green = close(square(material=material, images=[up]), lights=lights)
-    np.testing.assert_allclose(green[..., 0], [0, 0.6, 0.8] @ lamp, atol=1e-6)
-    world = close(square(material=replace(material, normal_space="object"), images=[texel]), lights=lights)
-    np.testing.assert_allclose(world[..., 0], lean @ lamp, atol=1e-6)
-    scaled = np.array([0.3, 0, 0.8]) / np.hypot(0.3, 0.8)
-    half = close(square(material=replace(material, normal_scale=0.5), images=[texel]), lights=lights)
-    np.testing.assert_allclose(half[..., 0], scaled @ lamp, atol=1e-6)
-
-
-def test_highlights_keep_their_light_from_afar() -> None:
-    """Toksvig: a bumpy mirror seen from afar is as bright, on the whole, as the mean of its close-up."""
-    rng = np.random.default_rng(5)
-    vectors = np.concatenate([rng.normal(0, 0.12, (128, 128, 2)), np.ones((128, 128, 1))], -1)
-    vectors /= np.linalg.norm(vectors, axis=-1, keepdims=True)
-    texel = np.float32((vectors + 1) / 2)
-    material = mt.Material(
-        base_color=(0, 0, 0, 1),
-        specular=(1, 1, 1),
-        shininess=60,
-        normal_texture=mt.TextureSlot(0, encoding="normal"),
-    )
-    mesh = square(material=material, images=[texel])
-    scene = mt.Scene(mesh, lights=[mt.light.Directional((0, 0, -1))])
-    camera = mt.Camera((0, 0, 20), fov=2 * np.degrees(np.arctan(1 / 20)))
-    fine = mt.render(scene, camera, (256, 256), output="linear", filter="nearest")
-    coarse = mt.render(scene, camera, (8, 8), output="linear")
-    flat = mt.render(
-        mt.Scene(replace(mesh, materials=[replace(material, normal_texture=None)]), lights=scene.lights),
-        camera,
-        (8, 8),
-        output="linear",
-    )
-    mean, kept, lost = (float(p[..., 0].mean()) for p in (fine, coarse, flat))
-    assert abs(kept - mean) < 0.25 * abs(lost - mean)
-
-
-def test_bump_maps_lean_like_the_surface_they_stand_for() -> None:
-    """A height that grows evenly: a leaning plane. A wave: the normals of the wave."""
-    u = (np.arange(256) + 0.5) / 256
-    lamp = np.array([0.6, 0.0, 0.8])
-    lights = [mt.light.Directional(-lamp)]
-    slot = mt.TextureSlot(0, encoding="linear")
-    scale = 0.05
-    wave = np.tile(0.5 + 0.5 * np.sin(2 * np.pi * u), (4, 1)).astype(np.float32)
-    mesh = square(material=mt.Material(bump_texture=slot, bump_scale=scale), images=[wave])
-    got = close(mesh, (64, 64), lights=lights)[32, :, 0]
-    x = (np.arange(64) + 0.5) / 64
-    slope = scale * 0.5 * 2 * np.pi * np.cos(2 * np.pi * x) / 2  # u runs over two units of x
-    n = np.stack([-slope, np.zeros(64), np.ones(64)], -1) / np.sqrt(1 + slope**2)[:, None]
-    np.testing.assert_allclose(got, n @ lamp, atol=2e-3)
-
-
 def test_emission_occlusion_shininess_and_pbr() -> None:
     one = np.array([[[128, 255, 0]]], np.uint8)
     glow = square(
@@ -352,50 +259,6 @@ def test_same_bytes_for_any_number_of_threads() -> None:
         assert len(set(pictures)) == 1
 
 
-def test_debug_views() -> None:
-    mesh = square(texture=noise((64, 64, 3)))
-    views = {d: mt.render(mt.Scene(mesh), mt.Camera((0, 0, 1), fov=90), (16, 16), debug=d) for d in
-             ("uv", "footprint", "lod", "normals", "checker")}  # fmt: skip
-    np.testing.assert_allclose(views["uv"][0, :, 0], (np.arange(16) + 0.5) / 16 * 255, atol=0.51)
-    np.testing.assert_allclose(views["uv"][:, 0, 1], (np.arange(16) + 0.5) / 16 * 255, atol=0.51)
-    assert (views["footprint"][..., :3] == [0, 0, 255]).all()  # square footprints
-    assert (views["normals"][..., :3] == [128, 128, 255]).all()
-    # Four texels a pixel: level 2 of 6, between cyan and green.
-    np.testing.assert_allclose(views["lod"][8, 8, :3], [0, 255, 2 / 3 * 255], atol=1)
-    # Two by two fields a pixel: the mean of light.
-    assert abs(srgb_to_linear(np.array(views["checker"][8, 8, 0] / 255.0)) - 0.5) < 0.01
-    with pytest.raises(ValueError, match="debug"):
-        mt.render(mt.Scene(mesh), debug="heat")
-
-
-def test_right_size() -> None:
-    mesh = square(texture=noise((256, 128, 3)))
-    half = replace(mesh, uv_sets=[UV * np.array([0.5, 1], np.float32)])
-    use = mt.right_size(mt.Scene(half), mt.Camera((0, 0, 1), fov=90), (64, 64))[0]
-    # du/dx = 0.5/64: one texel of 128; dv/dy = 1/64: four texels of 256.
-    assert (use.size, use.reads) == ((128, 256), 64 * 64)
-    assert use.histogram == [0, 0, 0, 64 * 64]
-    assert use.recommended == (32, 64)
-    assert abs(use.touched - 0.5) < 0.02
-    assert mt.right_size(mt.Scene(mesh), mt.Camera((0, 0, -5), (0, 0, -9)), (64, 64)) == []
-
-
-def test_unseen_textures_are_not_read() -> None:
-    mesh = square(
-        material=mt.Material(base_color_texture=mt.TextureSlot(0)),
-        images=[mt.MeshImage("gone", Path("/nowhere/x.png"))],
-    )
-    away = mt.Camera((0, 0, -5), (0, 0, -9))
-    assert not mt.render(mt.Scene(mesh), away, (8, 8)).any()
-    with pytest.raises(OSError, match=r"x\.png"):
-        mt.render(mt.Scene(mesh), size=(8, 8))
-    # Other pictures are other textures.
-    scene = mt.Scene(square(material=WHITE, texture=np.zeros((1, 1, 3), np.uint8)))
-    assert mt.render(scene, size=(8, 8))[4, 4, 0] == 0
-    scene.mesh = square(material=WHITE, texture=np.full((1, 1, 3), 255, np.uint8))
-    assert mt.render(scene, size=(8, 8))[4, 4, 0] == 255
-
-
 def test_background_and_outputs() -> None:
     scene, camera = mt.Scene(square(material=WHITE)), mt.Camera((0, 0, 4))
     clear = mt.render(scene, camera, (8, 8), output="linear")
@@ -408,72 +271,25 @@ def test_background_and_outputs() -> None:
     assert mt.render(scene, camera, (8, 8), background=0.5)[0, 0].tolist() == [188, 188, 188, 255]
 
 
-@pytest.mark.parametrize(
-    ("change", "error", "words"),
-    [
-        ({"size": (0, 4)}, ValueError, "size"),
-        ({"size": (10**6, 10**6)}, ValueError, "size: got .*16384"),
-        ({"size": (9000, 4), "supersample": 2}, ValueError, "size"),
-        ({"size": 5}, TypeError, "size"),
-        ({"supersample": 9}, ValueError, "supersample"),
-        ({"filter": "best"}, ValueError, "filter"),
-        ({"output": "png"}, ValueError, "output"),
-        ({"camera": "left"}, ValueError, "camera"),
-        ({"camera": 3}, TypeError, "camera"),
-        ({"background": "red"}, TypeError, "background"),
-        ({"background": (1, 2)}, ValueError, "background"),
-        ({"background": np.nan}, ValueError, "background"),
-        ({"lights": [mt.light.Ambient(np.nan)]}, ValueError, "lights"),
-        ({"lights": [mt.light.Directional((0, 0, 0))]}, ValueError, "lights"),
-        ({"lights": [mt.light.Point((0, 0, np.inf))]}, ValueError, "lights"),
-        ({"lights": [mt.light.Point((0, 0, 1), falloff=0)]}, ValueError, "lights"),
-        ({"lights": [mt.light.Point((0, 0, 1), cone=((0, 0, 1), 40, 20))]}, ValueError, "lights"),
-        ({"lights": ["sun"]}, TypeError, "lights"),
-        ({"progress": 3}, TypeError, "progress"),
-        ({"max_anisotropy": 0.5}, ValueError, "max_anisotropy"),
-        ({"scene": 3}, TypeError, "scene"),
-    ],
-)  # fmt: skip
-def test_bad_arguments_are_named(change: dict[str, Any], error: type[Exception], words: str) -> None:
-    arguments: dict[str, Any] = {"scene": mt.Scene(square()), "size": (8, 8), **change}
-    with pytest.raises(error, match=words):
-        mt.render(**arguments)
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"base_color": (1, 1, 1)}, "base_color"),
-        ({"model": "toon"}, "model"),
-        ({"alpha_mode": "add"}, "alpha_mode"),
-        ({"normal_space": "world"}, "normal_space"),
-        ({"base_color_texture": mt.TextureSlot(7)}, "image 7"),
-        ({"base_color_texture": 3}, "TextureSlot"),
-        ({"layers": (mt.Layer(mt.TextureSlot(0), "xor"),)}, "blend"),
-        ({"base_color_texture": mt.TextureSlot(0, transform=np.zeros((3, 3), np.float32))}, "transform"),
-        ({"base_color_texture": mt.TextureSlot(0, wrap=("twist", "clamp"))}, "wrap"),
-        ({"base_color_texture": mt.TextureSlot(0, mag_filter="best")}, "mag_filter"),
-    ],
-)
-def test_bad_materials_are_named(change: dict[str, Any], words: str) -> None:
-    mesh = square(images=[np.zeros((1, 1), np.uint8)])
-    bad = replace(mesh, materials=[replace(mt.Material(), **change)])
-    with pytest.raises((ValueError, TypeError), match=words):
-        mt.render(mt.Scene(bad), size=(8, 8))
-
-
-def test_numbers_that_are_not_finite_do_no_harm() -> None:
-    """Odd materials, normals and uv give a picture or an error that names them, never a crash."""
-    for value in (np.nan, np.inf, 1e38, -1e38):
-        mesh = square(texture=noise((4, 4, 3)), material=mt.Material(shininess=value, specular=(value, 1, 1)))
-        odd = replace(mesh, uv_sets=[np.full_like(UV, value)], normals=np.full((4, 3), value, np.float32))
-        assert mt.render(mt.Scene(odd), size=(8, 8)).shape == (8, 8, 4)
-        broken = replace(mesh, positions=np.full((4, 3), value, np.float32))
-        if np.isfinite(value):
-            mt.render(mt.Scene(broken), mt.Camera((0, 0, 3)), (8, 8))
-        else:
-            with pytest.raises(ValueError, match="positions"):
-                mt.render(mt.Scene(broken), mt.Camera((0, 0, 3)), (8, 8))
+def test_the_camera_that_frames_fills_the_picture() -> None:
+    """Tall, wide and flat things reach over 19 of 20 parts of a side, in the middle, and never leave it."""
+    rng = np.random.default_rng(2)
+    for stretch in ([1, 1, 1], [0.1, 3, 0.1], [5, 0.2, 1], [1, 0, 1], [0.01, 0.01, 4]):
+        points = rng.normal(size=(60, 3)) * stretch + rng.normal(size=3) * 10
+        scene = mt.Scene(mt.Mesh.build(points, np.arange(60).reshape(20, 3)))
+        for size in ((100, 100), (300, 100), (80, 320)):
+            clip = scene.camera("auto", size).project(scene.mesh.positions, size)
+            assert (np.abs(clip[:, 2]) < clip[:, 3]).all()
+            seen = clip[:, :2] / clip[:, 3:]
+            np.testing.assert_allclose(seen.max(0) + seen.min(0), 0, atol=1e-3)
+            near, far = clip[:, 3].min(), clip[:, 3].max()
+            # A stick towards the eye stays off it by a twentieth of its length.
+            assert abs(float(np.abs(seen).max()) - 0.95) < 1e-3 or near < 0.0501 * (far - near)
+            # From all round, with the one camera that turns.
+            camera = scene.camera("auto", size, turning=True)
+            for angle in range(0, 360, 23):
+                clip = camera.turned(angle, scene.center).project(scene.mesh.positions, size)
+                assert (np.abs(clip[:, :3]) < clip[:, 3:]).all()
 
 
 def test_progress_and_stopping() -> None:
@@ -507,84 +323,6 @@ def test_other_threads_run_while_a_picture_is_drawn() -> None:
     done.set()
     thread.join()
     assert sum(start < t < end for t in ticks) >= 2
-
-
-def test_meshes_join_and_move() -> None:
-    one = square(texture=noise((2, 2, 3)))
-    two = mt.Mesh.build(SQUARE, FACES, colors=np.full((4, 4), 0.5))
-    mirror = np.diag([-1.0, 1, 1, 1])
-    mirror[2, 3] = 0.5
-    scene = mt.Scene(one)
-    scene.add(two, mirror)
-    mesh = scene.mesh
-    assert (len(mesh.positions), len(mesh.faces), len(mesh.materials), len(mesh.images)) == (8, 4, 2, 1)
-    assert mesh.colors is not None
-    np.testing.assert_array_equal(mesh.colors[:4], 1)
-    np.testing.assert_allclose(mesh.positions[4:, 2], 0.5)
-    np.testing.assert_allclose(mesh.normals[4:], [[0, 0, 1]] * 4, atol=1e-6)
-    # The mirrored square still shows its front.
-    lit = mt.render(
-        scene, mt.Camera((0, 0, 3)), (8, 8), lights=[mt.light.Directional((0, 0, -1))], output="linear"
-    )
-    np.testing.assert_allclose(lit[4, 4], [0.5, 0.5, 0.5, 1], atol=1e-6)
-    np.testing.assert_allclose(scene.center, [0, 0, 0.25])
-    with pytest.raises(ValueError, match="meshes"):
-        mt.Mesh.join([])
-    with pytest.raises(ValueError, match="matrix"):
-        one.moved(np.eye(2))
-    for bad in (
-        {"faces": [[0, 1, 9]]},
-        {"uv": np.zeros((3, 2))},
-        {"normals": np.zeros((3, 3))},
-        {"colors": np.zeros((2, 4))},
-    ):
-        with pytest.raises(ValueError, match=next(iter(bad))):
-            mt.Mesh.build(**{"positions": SQUARE, "faces": FACES, **bad})  # type: ignore[arg-type]
-
-
-def test_lights_of_a_file(tmp_path: Path) -> None:
-    """Blender's lamps: watts as lumen at 683 to the watt."""
-    light = {"type": "directional", "intensity": 683 * np.pi * 0.5, "color": [1, 0.5, 0.25]}
-    spot = {"type": "spot", "intensity": 683 * np.pi, "spot": {"outerConeAngle": 0.5}}
-    gltf = {
-        "asset": {"version": "2.0"},
-        "extensionsUsed": ["KHR_lights_punctual"],
-        "extensions": {"KHR_lights_punctual": {"lights": [light, spot]}},
-        "nodes": [
-            {"extensions": {"KHR_lights_punctual": {"light": 0}}},
-            {"translation": [1, 2, 3], "extensions": {"KHR_lights_punctual": {"light": 1}}},
-        ],
-        "scenes": [{"nodes": [0, 1]}],
-    }
-    path = tmp_path / "lamps.gltf"
-    path.write_text(json.dumps(gltf))
-    lights = mt.Scene.open(path).lights
-    assert lights is not None
-    sun, lamp = lights
-    assert isinstance(sun, mt.light.Directional)
-    assert isinstance(lamp, mt.light.Point)
-    np.testing.assert_allclose(np.asarray(sun.direction), [0, 0, -1])
-    np.testing.assert_allclose(np.asarray(sun.color), [0.5, 0.25, 0.125], rtol=1e-5)
-    np.testing.assert_allclose(np.asarray(lamp.position), [1, 2, 3])
-    assert lamp.falloff == 1
-    assert lamp.cone is not None
-    np.testing.assert_allclose(lamp.cone[2], np.degrees(0.5), rtol=1e-5)
-
-
-def test_real_models_are_drawn() -> None:
-    if not DATA.is_dir():
-        print("the real models are absent: set MULTUM_DATA to their folder")
-        return
-    scene = mt.Scene.open(DATA / "gltf/BoxTextured/BoxTextured.gltf")
-    picture = mt.render(scene, camera="auto", size=(64, 48), filter="trilinear")
-    assert picture.shape == (48, 64, 4)
-    assert picture[24, 24, 3] == 255
-    for path in ("gltf/FlightHelmet/FlightHelmet.gltf", "gltf/Fox.glb", "obj/fuze/fuze.obj",
-                 "gltf/SheenChair/MixedLightingExample.gltf", "gltf/AlphaBlendModeTest.glb"):  # fmt: skip
-        picture = mt.render(mt.Scene.open(DATA / path), size=(96, 64))
-        shown = picture[picture[..., 3] == 255]
-        assert 0.03 < len(shown) / (96 * 64) < 0.9, path
-        assert shown[:, :3].std() > 10, path
 
 
 def test_docstrings() -> None:
