@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import _multum
 from ._arguments import name, number
 
+_LAYOUTS = ("cross", "strip", "stacked", "faces")
+
 
 class Environment:
     """Light from all sides, as far away as the sky; what :func:`render` mirrors and averages.
@@ -24,7 +26,8 @@ class Environment:
         ``"mirror_ball"`` (the photograph of one), or ``"sphere_map"``: OpenGL's, a mirror ball that turns with
         the eye.
     layout : str
-        Of a cube in one picture: ``"cross"``, ``"strip"`` or ``"stacked"``; not read for six arrays.
+        Of a cube in one picture: ``"cross"``, ``"strip"`` or ``"stacked"``. Six faces in one array, (6, n, n, C),
+        are known by their shape (``"faces"``).
     encoding : str
         ``"linear"`` or ``"srgb"``.
     rotation : float
@@ -56,10 +59,13 @@ class Environment:
         intensity: float = 1.0,
     ) -> None:
         pixels = np.asarray(image)
-        if name("form", form) == "cube" and pixels.ndim == 4 and pixels.shape[0] == 6:
-            pixels, layout = pixels.reshape(-1, *pixels.shape[2:]), "stacked"
-        elif name("layout", layout) == "faces":
-            raise ValueError(f"image: got shape {pixels.shape}, expected six faces (6, n, n, C)")
+        if name("layout", layout) not in _LAYOUTS:
+            raise ValueError(f"layout: got {layout!r}, expected one of {', '.join(map(repr, _LAYOUTS))}")
+        if name("form", form) == "cube":
+            if pixels.ndim == 4 and pixels.shape[0] == 6:
+                pixels, layout = pixels.reshape(-1, *pixels.shape[2:]), "stacked"
+            elif layout == "faces":
+                raise ValueError(f"image: got shape {pixels.shape}, expected six faces (6, n, n, C)")
         self._native = _multum.Environment(
             pixels,
             name("form", form),

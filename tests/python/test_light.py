@@ -206,7 +206,13 @@ def test_bad_arguments_are_named(change: dict[str, Any], words: str) -> None:
 
 def test_bad_environments_are_named() -> None:
     grey = np.zeros((8, 16), np.float32)
-    for keywords, words in (({"form": "map"}, "form"), ({"intensity": -1.0}, "intensity")):
+    bad: list[tuple[dict[str, Any], str]] = [
+        ({"form": "map"}, "form"),
+        ({"intensity": -1.0}, "intensity"),
+        ({"layout": "ring"}, "layout.*'faces'"),
+        ({"form": "cube", "layout": "faces"}, "image.*six faces"),
+    ]
+    for keywords, words in bad:
         with pytest.raises(ValueError, match=words):
             mt.Environment(grey, **keywords)
     with pytest.raises(ValueError, match="channels"):
