@@ -2,6 +2,7 @@
 # make test    everything that must hold
 # make format  rustfmt and ruff
 # make python  the venv with the wheel and all that tests need
+# make neon    the kernels' tests for aarch64: needs its target, gcc-aarch64-linux-gnu and qemu-user
 # make clean
 
 PYTHON ?= python3
@@ -11,7 +12,7 @@ WHEELS := target/wheels
 SOURCES := $(shell find src -name '*.rs') $(shell find python -name '*.py' -o -name '*.pyi' -o -path '*/data/*') \
 	Cargo.toml Cargo.lock pyproject.toml README.md
 
-.PHONY: demo test format python lint rust-test python-test clean
+.PHONY: demo test format python neon lint rust-test python-test clean
 
 demo: $(VENV)/.demo
 	@echo "== demonstration"
@@ -41,6 +42,11 @@ lint: $(VENV)/.test
 rust-test:
 	@echo "== Rust tests, examples and doc tests (random cases from a fixed seed; without it: cargo test)"
 	PROPTEST_RNG_SEED=20 cargo test --features simplify
+
+neon:
+	CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc \
+	CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu" \
+		cargo test --target aarch64-unknown-linux-gnu --no-default-features --lib kernel::
 
 python-test: $(VENV)/.test
 	@echo "== Python tests"

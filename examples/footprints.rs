@@ -1,6 +1,6 @@
 //! Time and error of the filters by footprint: ns a sample and rms x 255 against the exact mean.
 //!
-//! `cargo run --release --example footprints [white|pink|edges]`: one thread, 512 x 512 RGBA8, wrapped, every
+//! `cargo run --release --example footprints [white|pink|edges] [filter ...]`: one thread, 512 x 512 RGBA8, wrapped, every
 //! sample at a random place and angle. Footprints are width x height in texels; `shear` slants the second side.
 
 use multum::{Extent, Filter, Image, Sampler, Texture, TextureOptions, Wrap, par};
@@ -70,8 +70,12 @@ fn main() -> multum::Result<()> {
         ("area", Filter::Area),
         ("stochastic", Filter::Stochastic),
         ("exact", Filter::Exact),
+        ("auto", Filter::Auto),
     ];
-    println!("| footprint |{}", filters.map(|(name, _)| format!(" {name} |")).concat());
+    let wanted: Vec<String> = std::env::args().skip(2).collect();
+    let filters: Vec<_> =
+        filters.into_iter().filter(|(n, _)| wanted.is_empty() || wanted.iter().any(|w| w == n)).collect();
+    println!("| footprint |{}", filters.iter().map(|(name, _)| format!(" {name} |")).collect::<String>());
     println!("|---|{}", "---|".repeat(filters.len()));
     for (name, width, height, shear) in shapes {
         let count = if width * height > 1000.0 { 2000 } else { 20_000 };
@@ -89,7 +93,7 @@ fn main() -> multum::Result<()> {
         let extent = Extent::Jacobian(&jacobian);
         Sampler::new(Filter::Exact).sample(&texture, &uv, extent, &mut truth)?;
         let mut row = format!("| {name} |");
-        for (_, filter) in filters {
+        for &(_, filter) in &filters {
             let sampler = Sampler::new(filter);
             let mut out = vec![0f32; count * 4];
             let mut best = f64::MAX;

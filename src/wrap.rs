@@ -129,11 +129,12 @@ impl Wrap {
     }
 }
 
+/// Up to here `n * floor(s / n)` is a whole number that f64 holds exactly, and so is the rounding of its difference to `s`.
+pub(crate) const EXACT: f64 = 1.1e12;
+
 /// `s` modulo a whole `n`, in `0..=n`.
 #[inline(always)]
 pub(crate) fn modulo(s: f64, n: f64) -> f64 {
-    // Up to here `n * floor` is a whole number that f64 holds exactly, and so is the difference's rounding.
-    const EXACT: f64 = 1.1e12;
     if s.abs() < EXACT { (s - n * crate::num::floor(s / n) as f64).clamp(0.0, n) } else { s.rem_euclid(n) }
 }
 

@@ -21,10 +21,10 @@
 
 use super::exact::mean_on_level;
 use super::rows::{Slabs, Weights, lifted};
-use super::sum::{Placed, Sum, placed, rows_mean};
+use super::sum::{Placed, Sum, Wrapped, placed, rows_mean};
 use super::{Query, Reader, bilinear, lerp4};
-use crate::kernel::window::{self, Soft, Spans, Strip};
-use crate::lod;
+use crate::kernel::soft_codes;
+use crate::kernel::window::{self, Soft, Spans};
 use crate::num::{Real, ceil, floor, log2};
 use crate::texel::{DType, Texel};
 use crate::texture::Decode;
@@ -53,8 +53,25 @@ pub(crate) fn area<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, query: &Query) 
     let longest = squares[0].max(squares[1]).sqrt();
     let height = if longest > 0.0 { query.jacobian_tx.det().abs() / longest } else { 0.0 };
     let height = height.max(longest / LONGEST);
-    let (level, fraction) = lod::split(lod::clamp(log2((height / TARGET) as f32), r.last_level()));
+    let (level, fraction) = level((height / TARGET) as f32, r.last_level());
     blended(r, level, fraction, query, TRUSTED)
+}
+
+/// `log2(ratio)`, cut to the levels, as a whole number and the rest; 0 for a rest below the band, which is most and needs no
+/// logarithm.
+#[inline(always)]
+fn level(ratio: f32, last: usize) -> (usize, f32) {
+    if ratio <= 1.0 {
+        return (0, 0.0);
+    }
+    let bits = ratio.to_bits();
+    let octave = (bits >> 23) as usize - 127;
+    if octave >= last {
+        return (last, 0.0);
+    }
+    let mantissa = f32::from_bits(bits & 0x007f_ffff | 1f32.to_bits());
+    // A little below 2^(1 - BAND).
+    (octave, if mantissa < 1.68 { 0.0 } else { log2(mantissa) })
 }
 
 /// The mean over the footprint on a level, towards the coarser end blended with the next; on level 0 by soft weights as far
@@ -85,14 +102,14 @@ fn on_level<T: Texel, D: Decode<T>>(
 ) -> [T::Real; 4] {
     let place = placed(r, level, query);
     let [[a, b], [c, d]] = place.jacobian.m;
-    let (len1, len2) = ((a * a + c * c).sqrt(), (b * b + d * d).sqrt());
+    let lengths = [(a * a + c * c).sqrt(), (b * b + d * d).sqrt()];
     let area = place.jacobian.det().abs();
-    let height = area / len1.max(len2);
+    let height = area / lengths[0].max(lengths[1]);
     // How much of the soft weights to use: none on the coarsest level, whose footprints have no bounds.
     let trust = if level == r.last_level() || height.is_nan() || height <= 1.0 {
         0.0
     } else if level == 0 {
-        let cosine = (a * b + c * d).abs() / (len1 * len2);
+        let cosine = (a * b + c * d).abs() / (lengths[0] * lengths[1]);
         2.0 - (0.03 + 0.42 * cosine) / area / trusted
     } else {
         2.0 * (height - 1.0)
@@ -101,7 +118,8 @@ fn on_level<T: Texel, D: Decode<T>>(
     if trust == 0.0 {
         return hard(r, level, &place, height, query);
     }
-    let soft = soft(r, level, &place, if level == 0 { 1.0 } else { COARSE });
+    let softness = if level == 0 { 1.0 } else { COARSE };
+    let soft = soft(r, level, &place, Soft::new([[a, c], [b, d]], lengths, area, softness));
     if trust == 1.0 {
         return soft;
     }
@@ -137,18 +155,19 @@ fn soft<T: Texel, D: Decode<T>>(
     r: &Reader<'_, T, D>,
     level: usize,
     place: &Placed,
-    softness: f64,
+    footprint: Soft,
 ) -> [T::Real; 4] {
-    let [[a, b], [c, d]] = place.jacobian.m;
-    let area = place.jacobian.det().abs();
-    let strips = [Strip::new(b, d, area, softness), Strip::new(a, c, area, softness)];
-    let grow = [1.0 + softness / strips[0].half, 1.0 + softness / strips[1].half];
-    let extent =
-        [0.5 * (a.abs() * grow[0] + b.abs() * grow[1]), 0.5 * (c.abs() * grow[0] + d.abs() * grow[1])];
-    let centre = [place.near(0, extent[0]), place.near(1, extent[1])];
-    let footprint = Soft { centre, strips, extent, softness };
+    let [x, y] = footprint.extent;
+    let centre = [place.near(0, x), place.near(1, y)];
+    let footprint = Soft { centre, ..footprint };
     if T::DTYPE == DType::F64 {
         return soft_in_doubles(r, level, &footprint);
+    }
+    if let Some((plane, outside)) = r.bytes(level)
+        && soft_codes::fits(&footprint, &plane)
+    {
+        let rest = Wrapped { plane: &plane, wrap: r.layers.wrap, outside };
+        return soft_codes::soft(r.isa, &footprint, &plane, &rest).map(T::Real::from_f64);
     }
     rows_mean(r, level, centre, |texels| window::soft(r.isa, &footprint, texels))
 }
@@ -162,9 +181,10 @@ fn soft_in_doubles<T: Texel, D: Decode<T>>(
     let ([cx, cy], height) = (footprint.centre, footprint.extent[1]);
     let mut sum = Sum::new(r, level, footprint.centre);
     let mut weights = Vec::new();
+    let rows = footprint.rows();
     for row in ceil(cy - height)..=floor(cy + height) {
         let dy = row as f64 - cy;
-        let [left, right] = footprint.row(dy);
+        let [left, right] = rows.at(dy);
         let first = ceil(cx + left);
         weights.clear();
         weights.extend((first..=floor(cx + right)).map(|x| footprint.weight([x as f64 - cx, dy])));

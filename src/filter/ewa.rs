@@ -19,12 +19,13 @@
 //! many on the coarser. Error: a Gaussian of the box's variance is not a box; see `docs/filters.md`.
 
 use super::rows::Weights;
-use super::sum::{Sum, placed};
+use super::sum::{Sum, placed, rows_mean};
 use super::{Query, Reader, bilinear, lerp4};
 use crate::jacobian::Jacobian;
+use crate::kernel::window::{self, Ellipse};
 use crate::lod;
 use crate::num::{Real, log2};
-use crate::texel::Texel;
+use crate::texel::{DType, Texel};
 use crate::texture::Decode;
 use std::cell::RefCell;
 
@@ -71,11 +72,15 @@ fn on_level<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, level: usize, query: &
         let shrink = (WIDEST * WIDEST / (covariance[0] + covariance[2])).min(1.0);
         covariance = covariance.map(|x| x * shrink);
     }
-    let [xx, xy, yy] = covariance.map(|x| x / (12.0 * VARIANCE));
+    let [xx, xy, yy] = covariance.map(|x| x * (1.0 / (12.0 * VARIANCE)));
     let (xx, yy) = (xx + 1.0, yy + 1.0);
     // Of the matrix with the unit term: never less than 1.
     let det = (xx * yy - xy * xy).max(1.0);
     let centre = [place.near(0, xx.sqrt()), place.near(1, yy.sqrt())];
+    if T::DTYPE != DType::F64 {
+        let footprint = Ellipse { centre, q: [xx, xy, yy] };
+        return rows_mean(r, level, centre, |texels| window::ellipse(r.isa, &footprint, texels));
+    }
     let mut sum = Sum::new(r, level, centre);
     let height = yy.sqrt();
     let mut y = (centre[1] - height).ceil();

@@ -4,10 +4,14 @@ use crate::error::{Error, Result};
 use crate::footprint::Bend;
 use crate::jacobian::Jacobian;
 use crate::kernel::Isa;
+use crate::kernel::cast::same;
 use crate::kernel::lanes::Lanes;
+use crate::kernel::plane::Plane;
+use crate::kernel::spot::Grid;
 use crate::num::Real;
-use crate::texel::Texel;
+use crate::texel::{DType, Texel};
 use crate::texture::{Decode, Layers};
+use crate::wrap::Wrap;
 
 mod anisotropic;
 mod area;
@@ -208,8 +212,12 @@ pub(crate) struct Reader<'a, T: Texel, D> {
     pub isa: Isa,
     decode: D,
     outside: [T::Real; 4],
+    /// The border colour as bytes, where averages are averages of bytes and it is one, or where there is no border.
+    outside_bytes: Option<[u8; 4]>,
     /// Texels of each level per texel of level 0, along u and v.
     scale: Vec<[f64; 2]>,
+    /// Each level with the next coarser one.
+    grids: Vec<Grid>,
 }
 
 impl<'a, T: Texel, D: Decode<T>> Reader<'a, T, D> {
@@ -223,7 +231,24 @@ impl<'a, T: Texel, D: Decode<T>> Reader<'a, T, D> {
                 [f64::from(p.width) / f64::from(base.width), f64::from(p.height) / f64::from(base.height)]
             })
             .collect();
-        Self { layers, isa, decode, outside: decode.outside(layers.border), scale }
+        let grids = (0..layers.planes.len()).map(|level| grid(&layers.planes, level)).collect();
+        let outside = decode.outside(layers.border);
+        let bytes = outside.map(|x| x.to_f64() as u8);
+        let has_border = layers.wrap.contains(&Wrap::Border);
+        let is_byte = |(x, byte): (T::Real, u8)| x.to_f64() == f64::from(byte);
+        let fits = !has_border || outside.into_iter().zip(bytes).all(is_byte);
+        let outside_bytes = (D::CODES && T::DTYPE == DType::U8 && fits).then_some(bytes);
+        Self { layers, isa, decode, outside, outside_bytes, scale, grids }
+    }
+
+    /// A level whose averages are averages of bytes, and the border colour.
+    #[inline(always)]
+    fn bytes(&self, level: usize) -> Option<(Plane<'_, u8>, [u8; 4])> {
+        let outside = self.outside_bytes?;
+        let &Plane { data, origin, row, lanes, channels, width, height, columns, rows } =
+            &self.layers.planes[level];
+        let data = same(data)?;
+        Some((Plane { data, origin, row, lanes, channels, width, height, columns, rows }, outside))
     }
 
     /// Index of the coarsest level.
@@ -310,6 +335,24 @@ impl<'a, T: Texel, D: Decode<T>> Reader<'a, T, D> {
     /// The border colour as an average.
     pub fn outside(&self) -> [T::Real; 4] {
         self.outside
+    }
+}
+
+/// How places are found on a level and the next.
+fn grid<T: Texel>(planes: &[Plane<'_, T>], level: usize) -> Grid {
+    let base = &planes[0];
+    let two = [&planes[level], planes.get(level + 1).unwrap_or(&planes[level])];
+    // Offsets of a larger plane are no numbers of 32 bits: all its texels are looked for one by one.
+    let fits = two.map(|p| p.data.len() < i32::MAX as usize);
+    let each = |along: &dyn Fn(usize, usize) -> i32| [along(0, 0), along(0, 1), along(1, 0), along(1, 1)];
+    let size = each(&|k, axis| [two[k].width, two[k].height][axis]);
+    let full = [base.width, base.height].map(f64::from);
+    Grid {
+        scale: std::array::from_fn(|i| f64::from(size[i]) / full[i % 2]),
+        most: size.map(|n| f64::from(n) + 1.0),
+        first: each(&|k, axis| if fits[k] { [two[k].columns.0, two[k].rows.0][axis] } else { i32::MAX }),
+        last: each(&|k, axis| [two[k].columns.1, two[k].rows.1][axis] - 1),
+        stride: each(&|k, axis| if fits[k] { [two[k].lanes, two[k].row][axis] as i32 } else { 0 }),
     }
 }
 

@@ -1,19 +1,22 @@
 //! Bilinear probes, a block of samples at a time: the bilinear, trilinear and anisotropic filters.
 //!
-//! The level of every sample is found in lanes over the block, the places of a line of probes in lanes over the probes. A
-//! probe is read in lanes over the channels of two neighbours: rows are blended by the height, `v = a + fy (b - a)`, then
-//! columns, `v_left + fx (v_right - v_left)`. A line of probes sums differences from one of its texels, so that equal texels
-//! give exactly their value.
+//! The level of every sample is found in lanes over the block, its places on two levels in lanes over levels and axes, the
+//! places of a line of probes in lanes over the probes. A probe is read in lanes over the channels of two neighbours: rows are
+//! blended by the height, `v = a + fy (b - a)`, then columns, `v_left + fx (v_right - v_left)`, those of two levels at
+//! once. A line of probes sums differences from one of its texels, so that equal texels give exactly their value.
 
 use super::anisotropic::{Line, Lines};
 use super::{Filter, Query, Reader, lerp4};
 use crate::jacobian::Jacobian;
-use crate::kernel::lanes::{LaneWork, Lanes};
+use crate::kernel::lanes::{LaneWork, Lanes, prefetch};
+use crate::kernel::plane::Plane;
+use crate::kernel::spot::Spots;
+use crate::kernel::taps;
 use crate::lod::{self, LodRule};
 use crate::num::{Real, floor};
 use crate::texel::Texel;
 use crate::texture::Decode;
-use crate::wrap::Wrap;
+use crate::wrap::{EXACT, Wrap};
 
 /// Most samples of a block.
 pub(crate) const BLOCK: usize = 64;
@@ -70,14 +73,14 @@ impl<T: Texel, D: Decode<T>> LaneWork for Block<'_, T, D> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Self { probes, reader, samples, scratch, out } = self;
-        let Scratch { levels, fine, coarse } = scratch;
-        probes.find(samples, reader.last_level(), out.len(), levels);
-        reader.places(samples, &levels.level, fine);
-        if probes.blends() {
-            let last = reader.last_level() as i32;
-            let mut next = levels.level;
-            next.iter_mut().for_each(|level| *level = last.min(*level + 1));
-            reader.places(samples, &next, coarse);
+        let Scratch { levels, spots } = scratch;
+        let count = out.len().min(BLOCK);
+        probes.find(samples, reader.last_level(), count, levels);
+        let [s, t] = reader.reduced(samples);
+        for i in 0..count {
+            let level = levels.level[i] as usize;
+            spots[i] = L::spots([s[i], t[i]], &reader.grids[level]);
+            reader.ask(level, spots[i].offset[0]);
         }
         for (i, out) in out.iter_mut().enumerate().take(BLOCK) {
             let (level, fraction) = (levels.level[i] as usize, levels.fraction[i]);
@@ -88,11 +91,13 @@ impl<T: Texel, D: Decode<T>> LaneWork for Block<'_, T, D> {
                 let line = levels.lines.at(i);
                 reader.line::<L>([samples.s[i], samples.t[i]], level, fraction, &line)
             } else {
-                let near = blended(reader.column::<L>(level, fine, i));
+                let [fx, _, next_fx, _] = spots[i].fraction;
+                let near = reader.column::<L>(level, &spots[i], 0);
                 if fraction == 0.0 {
-                    near
+                    near.met(fx)
                 } else {
-                    lerp4(near, blended(reader.column::<L>(level + 1, coarse, i)), fraction)
+                    let [left, right] = near.regrouped(reader.column::<L>(level + 1, &spots[i], 1));
+                    left.add(L::halves(fx, next_fx).mul(right.sub(left))).met(fraction)
                 }
             };
             *out = [value[0], value[1], value[2], value[3]].map(|x| T::Real::from_f64(x.into()));
@@ -103,16 +108,14 @@ impl<T: Texel, D: Decode<T>> LaneWork for Block<'_, T, D> {
 /// What is found of a block before it is read; may be used again for the next one with the same filter.
 pub(crate) struct Scratch {
     levels: Levels,
-    fine: Spots,
-    coarse: Spots,
+    spots: [Spots; BLOCK],
 }
 
 impl Scratch {
     /// Nothing yet.
     pub const NEW: Self = Self {
         levels: Levels { level: [0; BLOCK], fraction: [0.0; BLOCK], lines: Lines::POINTS },
-        fine: Spots::NONE,
-        coarse: Spots::NONE,
+        spots: [Spots::NONE; BLOCK],
     };
 }
 
@@ -130,11 +133,6 @@ impl Probes {
             filter,
             Filter::Bilinear | Filter::LinearMipmapNearest | Filter::Trilinear | Filter::Anisotropic
         )
-    }
-
-    /// Whether two levels are read.
-    fn blends(&self) -> bool {
-        matches!(self.filter, Filter::Trilinear | Filter::Anisotropic)
     }
 
     /// Finds the levels, and the lines where the filter has them. Loops run over whole blocks, so that they become lanes.
@@ -175,59 +173,53 @@ impl Probes {
     }
 }
 
-/// Where the probes of a block stand on their levels: the texel left of and above each, and how far it is from there.
-struct Spots {
-    x: [i32; BLOCK],
-    y: [i32; BLOCK],
-    fx: [f32; BLOCK],
-    fy: [f32; BLOCK],
-}
-
-impl Spots {
-    const NONE: Self = Self { x: [0; BLOCK], y: [0; BLOCK], fx: [0.0; BLOCK], fy: [0.0; BLOCK] };
-}
-
-/// A probe's column blended by the height, the left neighbour in the first half, and the fraction of the way to the right one.
-#[derive(Clone, Copy)]
-struct Column<L> {
-    sides: L,
-    fraction: f32,
-}
-
 impl<T: Texel, D: Decode<T>> Reader<'_, T, D> {
-    /// Brings a block to its levels.
+    /// The places of a block within one period of the wrap modes.
     #[inline(always)]
-    fn places(&self, samples: &Samples, level: &[i32; BLOCK], spots: &mut Spots) {
+    fn reduced(&self, samples: &Samples) -> [[f64; BLOCK]; 2] {
         let base = &self.layers.planes[0];
-        let mut scale = [[0.0; BLOCK]; 2];
-        let mut size = [[0.0; BLOCK]; 2];
-        for i in 0..BLOCK {
-            let level = level[i] as usize;
-            let (plane, k) = (&self.layers.planes[level], &self.scale[level]);
-            (scale[0][i], scale[1][i]) = (k[0], k[1]);
-            (size[0][i], size[1][i]) = (plane.width.into(), plane.height.into());
-        }
         let [wu, wv] = self.layers.wrap;
-        along(wu, base.width, &samples.s, &scale[0], &size[0], &mut spots.x, &mut spots.fx);
-        along(wv, base.height, &samples.t, &scale[1], &size[1], &mut spots.y, &mut spots.fy);
+        [reduced(wu, base.width.into(), &samples.s), reduced(wv, base.height.into(), &samples.t)]
     }
 
-    /// Probe `i` of a block.
+    /// Asks for the texels of a probe ahead of time.
     #[inline(always)]
-    fn column<L: Lanes>(&self, level: usize, spots: &Spots, i: usize) -> Column<L> {
-        self.column_at(level, [spots.x[i], spots.y[i]], [spots.fx[i], spots.fy[i]])
+    fn ask(&self, level: usize, offset: i32) {
+        let plane = &self.layers.planes[level];
+        let at = plane.origin.wrapping_add_signed(offset as isize);
+        prefetch(plane.data, at);
+        prefetch(plane.data, at.wrapping_add(plane.row));
     }
 
-    /// A probe between texel (x, y) and the next.
+    /// Two columns of texels of a level, the first or the second of `spots`, blended by the height: the left neighbour in the
+    /// first half.
     #[inline(always)]
-    fn column_at<L: Lanes>(&self, level: usize, [x, y]: [i32; 2], [fx, fy]: [f32; 2]) -> Column<L> {
+    fn column<L: Lanes>(&self, level: usize, spots: &Spots, which: usize) -> L {
+        let [x, y] = [spots.texel[2 * which], spots.texel[2 * which + 1]];
+        let fy = spots.fraction[2 * which + 1];
+        if spots.inside[which] {
+            let at = self.layers.planes[level].origin.wrapping_add_signed(spots.offset[which] as isize);
+            return self.rows::<L>(level, at, fy);
+        }
+        self.column_outside(level, [x, y], fy)
+    }
+
+    /// As [`Reader::column`], between texel (x, y) and the next.
+    #[inline(always)]
+    fn column_at<L: Lanes>(&self, level: usize, [x, y]: [i32; 2], fy: f32) -> L {
         let plane = &self.layers.planes[level];
         if plane.covers(x, y, x + 1, y + 1) {
-            return Column { sides: self.rows::<L>(level, plane.at(x, y), fy), fraction: fx };
+            return self.rows::<L>(level, plane.at(x, y), fy);
         }
+        self.column_outside(level, [x, y], fy)
+    }
+
+    /// As [`Reader::column_at`], where some of the texels lie beyond the plane.
+    #[inline(always)]
+    fn column_outside<L: Lanes>(&self, level: usize, [x, y]: [i32; 2], fy: f32) -> L {
         let [a, b, c, d] = self.taps_outside(level, x, y).map(|t| t.map(|x| x.to_f64() as f32));
         let ([a, b, c, d], [e, f, g, h]) = (lerp4(a, c, fy), lerp4(b, d, fy));
-        Column { sides: L::load(&[a, b, c, d, e, f, g, h]), fraction: fx }
+        L::load(&[a, b, c, d, e, f, g, h])
     }
 
     /// Two neighbours from `at` on, blended with those of the next row.
@@ -251,20 +243,16 @@ impl<T: Texel, D: Decode<T>> Reader<'_, T, D> {
         };
         let [a, b, c, d] = texel.map(|x| x.to_f64() as f32);
         let reference = L::load(&[a, b, c, d, a, b, c, d]);
-        let mut sum = self.line_on::<L>(place, level, line, reference);
+        let mut mean = self.line_on::<L>(place, level, line, reference);
         if fraction > 0.0 {
-            let coarse = self.line_on::<L>(place, level + 1, line, reference);
-            sum = sum.add(L::splat(fraction).mul(coarse.sub(sum)));
+            mean = lerp4(mean, self.line_on::<L>(place, level + 1, line, reference), fraction);
         }
-        let sum = sum.store();
-        let rest = [sum[0] + sum[4], sum[1] + sum[5], sum[2] + sum[6], sum[3] + sum[7]];
-        let share = line.share;
-        [a + share * rest[0], b + share * rest[1], c + share * rest[2], d + share * rest[3]]
+        [a + mean[0], b + mean[1], c + mean[2], d + mean[3]]
     }
 
-    /// The weighted sum of probes on one level, less the reference.
+    /// The weighted mean of probes on one level, less the reference.
     #[inline(always)]
-    fn line_on<L: Lanes>(&self, place: [f64; 2], level: usize, line: &Line, reference: L) -> L {
+    fn line_on<L: Lanes>(&self, place: [f64; 2], level: usize, line: &Line, reference: L) -> [f32; 4] {
         let plane = &self.layers.planes[level];
         let base = &self.layers.planes[0];
         let [kx, ky] = self.scale[level];
@@ -299,6 +287,11 @@ impl<T: Texel, D: Decode<T>> Reader<'_, T, D> {
                 lanes: plane.lanes as i32,
             };
             let count = 2 * line.half as usize + 1;
+            if let Some((plane, _)) = self.bytes(level)
+                && plane.lanes == 4
+            {
+                return line_of_bytes::<L>(&plane, &places, count, reference);
+            }
             let mut first = 0;
             while first < count {
                 let eight = places.eight(first as f32 - line.half);
@@ -309,62 +302,95 @@ impl<T: Texel, D: Decode<T>> Reader<'_, T, D> {
                 }
                 first += 8;
             }
-            return sum;
+            return halved(sum, line.share);
         }
         let mut i = -half;
         while i <= half {
             let (s, t) = self.on_level(level, place[0] + i * line.step[0], place[1] + i * line.step[1]);
             let (x, y) = (floor(s - 0.5), floor(t - 0.5));
             let fractions = [(s - 0.5 - x as f64) as f32, (t - 0.5 - y as f64) as f32];
-            let probe = self.column_at::<L>(level, [x as i32, y as i32], fractions);
+            let sides = self.column_at::<L>(level, [x as i32, y as i32], fractions[1]);
             let weight = if i.abs() < half { 1.0 } else { line.outer };
-            let right = weight * probe.fraction;
-            sum = sum.add(probe.sides.sub(reference).mul(L::halves(weight - right, right)));
+            let right = weight * fractions[0];
+            sum = sum.add(sides.sub(reference).mul(L::halves(weight - right, right)));
             i += 1.0;
         }
-        sum
+        halved(sum, line.share)
     }
 }
 
-/// One axis of [`Reader::places`].
+/// Both columns together, times a factor.
 #[inline(always)]
-fn along(
-    wrap: Wrap,
-    base: i32,
-    places: &[f64; BLOCK],
-    scale: &[f64; BLOCK],
-    size: &[f64; BLOCK],
-    texel: &mut [i32; BLOCK],
-    fraction: &mut [f32; BLOCK],
-) {
-    // 1.5 2^52: the sum with a whole number of 32 bits has it in its low bits.
-    const MAGIC: f64 = 6_755_399_441_055_744.0;
-    let n = f64::from(base);
+fn halved<L: Lanes>(sum: L, factor: f32) -> [f32; 4] {
+    let [a, b, c, d, e, f, g, h] = sum.store();
+    [factor * (a + e), factor * (b + f), factor * (c + g), factor * (d + h)]
+}
+
+/// The weighted mean of the probes of a line over bytes, less the reference. Weights are whole numbers, good to 1/16384 of
+/// one; the mean is divided by their sum, so that equal texels give exactly their code.
+#[inline(always)]
+fn line_of_bytes<L: Lanes>(plane: &Plane<'_, u8>, places: &Places, count: usize, reference: L) -> [f32; 4] {
+    let (mut sums, mut weight) = (L::no_taps(), 0);
+    let mut first = 0;
+    while first < count {
+        let eight = places.eight(first as f32 - places.half);
+        let (mut left, mut right, mut both) = ([0; 8], [0; 8], [0; 8]);
+        for k in 0..8 {
+            let column = |weight: f32| {
+                let (all, lower) = (whole(weight * taps::ONE), whole(weight * eight.fraction[k] * taps::ONE));
+                (all, taps::pair(all - lower, lower))
+            };
+            let (p, q) = (column(eight.left[k]), column(eight.right[k]));
+            (both[k], left[k], right[k]) = (p.0 + q.0, p.1, q.1);
+        }
+        for k in 0..(count - first).min(8) {
+            let at = plane.origin.wrapping_add_signed(eight.offset[k] as isize);
+            if let (Some(upper), Some(lower)) = (plane.packed_pair(at), plane.packed_pair(at + plane.row)) {
+                sums = L::add_taps(sums, [upper, lower], left[k], right[k]);
+                weight += both[k];
+            }
+        }
+        first += 8;
+    }
+    let [a, b, c, d, ..] = reference.store();
+    let share = 1.0 / f64::from(weight);
+    let total = L::taps_total(sums);
+    let mean = |k: usize| f64::from(total[k]) * share;
+    [mean(0) as f32 - a, mean(1) as f32 - b, mean(2) as f32 - c, mean(3) as f32 - d]
+}
+
+/// [`Wrap::reduce`] of a block, in lanes where the numbers allow it.
+#[inline(always)]
+fn reduced(wrap: Wrap, n: f64, places: &[f64; BLOCK]) -> [f64; BLOCK] {
     let mut reduced = *places;
-    if wrap.period(n).is_some() || wrap == Wrap::MirrorOnce {
-        let outside = places.iter().fold(0, |any, x| any | i32::from(!(*x >= 0.0 && *x < n)));
-        if outside != 0 || wrap == Wrap::Mirror101 {
+    let Some(period) = wrap.period(n) else {
+        if wrap == Wrap::MirrorOnce {
             reduced.iter_mut().for_each(|x| *x = wrap.reduce(*x, n).0);
         }
+        return reduced;
+    };
+    let (mut outside, mut most) = (false, 0.0f64);
+    for x in places {
+        outside |= !(*x >= 0.0 && *x < n);
+        // The sum is no number where one of them is none.
+        most += x.abs();
     }
-    for i in 0..BLOCK {
-        let x = reduced[i] * scale[i];
-        // Beyond one texel outside, a wrap mode that does not repeat shows one colour.
-        let most = size[i] + 1.0;
-        let x = if x < most { x } else { most };
-        let x = if x > -1.0 { x } else { -1.0 };
-        let x = x - 0.5;
-        let whole = x.floor();
-        fraction[i] = (x - whole) as f32;
-        texel[i] = (whole + MAGIC).to_bits() as i32;
+    if !outside && wrap != Wrap::Mirror101 {
+        return reduced;
     }
-}
-
-/// The columns of a probe blended.
-#[inline(always)]
-fn blended<L: Lanes>(probe: Column<L>) -> [f32; 4] {
-    let [a, b, c, d, e, f, g, h] = probe.sides.store();
-    lerp4([a, b, c, d], [e, f, g, h], probe.fraction)
+    if wrap == Wrap::Mirror101 || !(most < EXACT) {
+        reduced.iter_mut().for_each(|x| *x = wrap.reduce(*x, n).0);
+        return reduced;
+    }
+    let turns = wrap == Wrap::Mirror;
+    for x in &mut reduced {
+        let m = *x - period * (*x / period).floor();
+        let m = if m > 0.0 { m } else { 0.0 };
+        let m = if m < period { m } else { period };
+        let m = if turns & (m >= n) { period - m } else { m };
+        *x = if (*x >= 0.0) & (*x < n) { *x } else { m };
+    }
+    reduced
 }
 
 /// Where texels of a level beyond its readable ones stand, along one axis. Left and right neighbour stay neighbours, as the

@@ -4,6 +4,8 @@ use super::rows::{Bounds, Weights};
 use super::{Query, Reader};
 use crate::jacobian::Jacobian;
 use crate::kernel::lanes::Lanes;
+use crate::kernel::plane::Plane;
+use crate::kernel::soft_codes::{READ, Texels};
 use crate::kernel::window::{CHUNK, Source};
 use crate::num::{Real, floor};
 use crate::texel::{DType, Texel};
@@ -150,6 +152,32 @@ impl<T: Texel, D: Decode<T>> Around<'_, '_, T, D> {
             }
         }
         texels
+    }
+}
+
+/// Bytes of a level by its wrap modes.
+pub(super) struct Wrapped<'a> {
+    pub plane: &'a Plane<'a, u8>,
+    pub wrap: [Wrap; 2],
+    pub outside: [u8; 4],
+}
+
+impl Texels for Wrapped<'_> {
+    #[inline(never)]
+    fn eight(&self, x: i32, y: i32, texels: &mut [u8; READ]) {
+        let &Plane { data, lanes, channels, columns, rows, width, height, .. } = self.plane;
+        let [wu, wv] = self.wrap;
+        let along = |i: i32, (first, last): (i32, i32), wrap: Wrap, n: i32| {
+            if i >= first && i <= last { Some(i) } else { wrap.index(i.into(), n.into()).map(|i| i as i32) }
+        };
+        let row = along(y, rows, wv, height);
+        for (x, texel) in (x..).zip(texels.chunks_exact_mut(lanes)).take(8) {
+            let code = match (along(x, columns, wu, width), row) {
+                (Some(x), Some(y)) => &data[self.plane.at(x, y)..][..channels],
+                _ => &self.outside[..channels],
+            };
+            texel[..channels].copy_from_slice(code);
+        }
     }
 }
 

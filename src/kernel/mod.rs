@@ -11,6 +11,9 @@ pub mod plane;
 pub mod prefix;
 pub mod range;
 pub mod remap;
+pub mod soft_codes;
+pub mod spot;
+pub mod taps;
 pub mod window;
 
 use crate::error::{Error, Result};
@@ -22,6 +25,10 @@ use std::sync::OnceLock;
 pub enum Isa {
     /// Plain Rust: the definition.
     Scalar,
+    /// The base set of x86-64, and so what `Scalar` is compiled for there: the same code under the set's name.
+    Sse2,
+    /// aarch64, which always has it: lanes by hand, plain Rust elsewhere.
+    Neon,
     /// x86-64 with AVX2.
     Avx2,
     /// x86-64 with AVX-512 F, BW, VL, DQ and VBMI.
@@ -34,13 +41,15 @@ thread_local! {
 
 impl Isa {
     /// All sets with the words that `MULTUM_SIMD` knows for them.
-    pub const NAMES: [(&'static str, Self); 3] =
-        [("scalar", Self::Scalar), ("avx2", Self::Avx2), ("avx512", Self::Avx512)];
+    pub const NAMES: [(&'static str, Self); 4] =
+        [("scalar", Self::Scalar), ("sse2", Self::Sse2), ("avx2", Self::Avx2), ("avx512", Self::Avx512)];
 
     /// Whether this machine has the set.
     pub fn is_supported(self) -> bool {
         match self {
             Self::Scalar => true,
+            Self::Sse2 => cfg!(target_arch = "x86_64"),
+            Self::Neon => cfg!(target_arch = "aarch64"),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => is_x86_feature_detected!("avx2"),
             #[cfg(target_arch = "x86_64")]

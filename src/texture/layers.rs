@@ -79,6 +79,8 @@ fn code_table(encoding: Encoding, dtype: DType) -> Option<&'static [f32]> {
 
 /// How one texture's codes are read; two types, so that the common case has no branches.
 pub(crate) trait Decode<T: Texel>: Copy + Sync {
+    /// Whether averages are averages of the codes themselves.
+    const CODES: bool = false;
     /// A texel's codes as numbers to average.
     fn texel(&self, codes: [T; 4]) -> [T::Real; 4];
     /// Two texels' codes as singles to average.
@@ -107,6 +109,8 @@ pub(crate) struct Plain {
 }
 
 impl<T: Texel> Decode<T> for Plain {
+    const CODES: bool = true;
+
     #[inline(always)]
     fn texel(&self, codes: [T; 4]) -> [T::Real; 4] {
         [codes[0].to_real(), codes[1].to_real(), codes[2].to_real(), codes[3].to_real()]

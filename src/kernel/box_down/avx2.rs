@@ -51,3 +51,43 @@ pub unsafe fn halve_bytes_4(a: &[u8], b: &[u8], out: &mut [f32]) -> usize {
     }
     8 * count
 }
+
+/// Means of 2 x 2 texels of 1 to 4 channels, halves up.
+///
+/// # Safety
+/// The machine has AVX2.
+#[target_feature(enable = "avx2")]
+pub unsafe fn halve_codes(a: &[u8], b: &[u8], channels: usize, out: &mut [u8]) -> usize {
+    // Bytes read for what half a vector holds, and made of them: whole texels.
+    let read = 16 / (2 * channels) * 2 * channels;
+    let made = read / 2;
+    // The two codes of each mean side by side.
+    let order: [u8; 16] = std::array::from_fn(|k| {
+        let (i, second) = (k / 2, k % 2);
+        if i < made { (i / channels * 2 * channels + i % channels + second * channels) as u8 } else { 0x80 }
+    });
+    let bytes = a.len().min(b.len());
+    // A step reads 16 bytes from 0 and from `read`, and writes 8 from 0 and from `made`.
+    let by_load = if bytes < read + 16 { 0 } else { (bytes - read - 16) / (2 * read) + 1 };
+    let by_store = if out.len() < made + 8 { 0 } else { (out.len() - made - 8) / (2 * made) + 1 };
+    let steps = by_load.min(by_store);
+    let (ones, half) = (_mm256_set1_epi8(1), _mm256_set1_epi16(2));
+    // SAFETY: `steps` keeps loads and stores inside, see above; the array has 16 bytes.
+    unsafe {
+        let order = _mm256_broadcastsi128_si256(_mm_loadu_si128(order.as_ptr().cast()));
+        for step in 0..steps {
+            let pairs = |row: &[u8]| {
+                let at = row.as_ptr().add(2 * read * step);
+                let codes = _mm256_loadu2_m128i(at.add(read).cast(), at.cast());
+                _mm256_maddubs_epi16(_mm256_shuffle_epi8(codes, order), ones)
+            };
+            let sum = _mm256_add_epi16(_mm256_add_epi16(pairs(a), pairs(b)), half);
+            let mean = _mm256_srli_epi16::<2>(sum);
+            let packed = _mm256_packus_epi16(mean, mean);
+            let to = out.as_mut_ptr().add(2 * made * step);
+            _mm_storel_epi64(to.cast(), _mm256_castsi256_si128(packed));
+            _mm_storel_epi64(to.add(made).cast(), _mm256_extracti128_si256::<1>(packed));
+        }
+    }
+    steps * 2 * made
+}

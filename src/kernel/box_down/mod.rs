@@ -143,6 +143,18 @@ pub fn halve_bytes(isa: Isa, a: &[u8], b: &[u8], channels: usize, out: &mut [f32
     compiled_for(isa, || scalar::halve_bytes(a, b, channels, out));
 }
 
+/// Means of 2 x 2 codes as codes, halves up.
+pub fn halve_codes(isa: Isa, a: &[u8], b: &[u8], channels: usize, out: &mut [u8]) {
+    #[cfg(target_arch = "x86_64")]
+    if isa >= Isa::Avx2 && isa.is_supported() && channels <= 4 {
+        // SAFETY: the machine has AVX2.
+        let done = unsafe { avx2::halve_codes(a, b, channels, out) };
+        return scalar::halve_codes(&a[2 * done..], &b[2 * done..], channels, &mut out[done..]);
+    }
+    let _ = isa;
+    scalar::halve_codes(a, b, channels, out);
+}
+
 /// Nearest bytes, halves up, saturated; NaN is 0.
 pub fn to_bytes(isa: Isa, numbers: &[f32], out: &mut [u8]) {
     #[cfg(target_arch = "x86_64")]

@@ -116,6 +116,26 @@ pub fn halve_bytes(a: &[u8], b: &[u8], channels: usize, out: &mut [f32]) {
 }
 
 #[inline(always)]
+pub fn halve_codes(a: &[u8], b: &[u8], channels: usize, out: &mut [u8]) {
+    let mean = |a0: u8, b0: u8, a1: u8, b1: u8| {
+        ((u16::from(a0) + u16::from(b0) + u16::from(a1) + u16::from(b1) + 2) >> 2) as u8
+    };
+    by_channels!(channels, C => {
+        let (pairs_a, pairs_b) = (a.as_chunks::<{ 2 * C }>().0, b.as_chunks::<{ 2 * C }>().0);
+        for ((out, a), b) in out.as_chunks_mut::<C>().0.iter_mut().zip(pairs_a).zip(pairs_b) {
+            for c in 0..C {
+                out[c] = mean(a[c], b[c], a[C + c], b[C + c]);
+            }
+        }
+    }, {
+        for (i, out) in out.iter_mut().enumerate() {
+            let at = i / channels * 2 * channels + i % channels;
+            *out = mean(a[at], b[at], a[at + channels], b[at + channels]);
+        }
+    });
+}
+
+#[inline(always)]
 pub fn to_bytes(numbers: &[f32], out: &mut [u8]) {
     for (out, x) in out.iter_mut().zip(numbers) {
         *out = (x + 0.5) as u8;

@@ -59,7 +59,8 @@ fn bytes_are_equal_on_every_instruction_set() {
                     halve_srgb(isa, [&a, &b], channels, true, &srgb, &mut floats[4]);
                 }
                 halve_rows(isa, &fa, &fb, &mut floats[5]);
-                let mut codes = vec![vec![0u8; special.len()]; 4];
+                let mut codes = vec![vec![0u8; special.len()]; 5];
+                halve_codes(isa, &a, &b, channels, &mut codes[4][..out]);
                 to_bytes(isa, &special, &mut codes[0]);
                 to_srgb(isa, &special, channels, false, &srgb, &mut codes[1]);
                 if channels > 1 {

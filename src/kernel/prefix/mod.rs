@@ -29,7 +29,7 @@ macro_rules! integer_sum {
         }
     )+};
 }
-integer_sum!(u8 => u32, u8 => u64, u16 => u64);
+integer_sum!(u8 => u32, u8 => u64, u16 => u64, u8 => i32);
 
 macro_rules! float_sum {
     ($($texel:ty),+) => {$(
@@ -45,7 +45,7 @@ macro_rules! float_sum {
         }
     )+};
 }
-float_sum!(f16, f32, f64);
+float_sum!(u8, u16, i16, f16, f32, f64);
 
 /// One row of a table: `out[0..C] = 0`, and behind texel `i` the row above there plus the sum of texels
 /// `0..=i`. `above` and `out` have `C` elements more than `texels`; `C = offset.len()`.

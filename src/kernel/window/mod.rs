@@ -1,9 +1,10 @@
 //! Weighted means of the texels under a footprint, eight at a time.
 //!
-//! [`soft`] weighs by the distance from the footprint's sides, [`spans`] by integrals along rows. Both read rows of
-//! four-channel texels from a [`Source`] and sum differences from a reference texel, so that equal
+//! [`soft`] weighs by the distance from the footprint's sides, [`spans`] by integrals along rows, [`ellipse`] by a Gaussian.
+//! All read rows of four-channel texels from a [`Source`] and sum differences from a reference texel, so that equal
 //! texels give exactly their value.
 
+mod ellipse;
 mod soft;
 mod spans;
 #[cfg(test)]
@@ -11,7 +12,8 @@ mod tests;
 
 use super::Isa;
 use super::lanes::{LaneWork, Lanes, with_lanes};
-pub use soft::{Soft, Strip};
+pub use ellipse::Ellipse;
+pub use soft::Soft;
 pub use spans::{LONGEST, Slab, Spans};
 
 /// Texels that are weighed at once.
@@ -91,5 +93,10 @@ pub fn soft(isa: Isa, footprint: &Soft, texels: impl Source) -> [f32; 4] {
 
 /// The mean by integrals along rows, less the reference; see [`Spans`].
 pub fn spans(isa: Isa, footprint: &Spans<'_>, texels: impl Source) -> [f32; 4] {
+    with_lanes(isa, Of(footprint, texels))
+}
+
+/// The mean by Gaussian weights, less the reference; see [`Ellipse`].
+pub fn ellipse(isa: Isa, footprint: &Ellipse, texels: impl Source) -> [f32; 4] {
     with_lanes(isa, Of(footprint, texels))
 }

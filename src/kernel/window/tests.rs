@@ -85,13 +85,11 @@ fn sides(random: &mut Random) -> [[f64; 2]; 2] {
 }
 
 fn soft_footprint(random: &mut Random, softness: f64) -> Soft {
-    let [[a, c], [b, d]] = sides(random);
-    let area = (a * d - b * c).abs();
-    let strips = [Strip::new(b, d, area, softness), Strip::new(a, c, area, softness)];
-    let grow = strips.map(|s| 1.0 + softness / s.half);
-    let extent = [(a, b), (c, d)].map(|(p, q)| 0.5 * (p.abs() * grow[0] + q.abs() * grow[1]));
-    let centre = [0, 1].map(|k| random.between(40.0, 50.0) * (extent[k] < 36.0) as u8 as f64 + 0.3);
-    Soft { centre, strips, extent, softness }
+    let [p, q] = sides(random);
+    let area = (p[0] * q[1] - q[0] * p[1]).abs();
+    let f = Soft::new([p, q], [p, q].map(|[x, y]| x.hypot(y)), area, softness);
+    let centre = [0, 1].map(|k| random.between(40.0, 50.0) * (f.extent[k] < 36.0) as u8 as f64 + 0.3);
+    Soft { centre, ..f }
 }
 
 fn fits(f: &Soft) -> bool {
@@ -120,20 +118,53 @@ fn soft_weights_are_those_of_the_formula_on_every_set() {
             let c = (z / softness).clamp(-1.0, 1.0);
             0.5 + c * (1.0 - 0.5 * c.abs())
         };
+        let tent = |z: f64| (1.0 - (z / softness).abs()).max(0.0);
+        let [[a, b], [c, d]] = f.strips.map(|s| s.normal);
+        let covariance = (a * c + b * d) / 6.0;
         let (mut total, mut sum) = (0.0, 0.0);
         for y in 0..N {
             for x in 0..N {
                 let (dx, dy) = (x as f64 - f.centre[0], y as f64 - f.centre[1]);
-                let weight: f64 = (f.strips.iter())
-                    .map(|s| {
-                        let p = (s.normal[0] * dx + s.normal[1] * dy).abs();
-                        step(s.half - p) + step(s.half + p) - 1.0
-                    })
-                    .product();
+                let [(p, p_slope), (q, q_slope)] = f.strips.map(|s| {
+                    let p = s.normal[0] * dx + s.normal[1] * dy;
+                    (step(s.half - p) + step(s.half + p) - 1.0, tent(s.half + p) - tent(s.half - p))
+                });
+                let weight = (p * q + covariance * p_slope * q_slope).max(0.0);
                 sum += weight;
                 total += weight * (f64::from(scene.bytes[4 * (y * N + x)]) - 3.0);
             }
         }
+        assert!((f64::from(results[0][0]) - total / sum).abs() < 2e-3, "{f:?}: {results:?} {}", total / sum);
+    }
+}
+
+#[test]
+fn gaussian_weights_are_those_of_the_formula_on_every_set() {
+    let mut random = Random(17);
+    let scene = Scene::noise(&mut random);
+    for _ in 0..300 {
+        let [[a, b], [c, d]] = sides(&mut random);
+        let q = [0.3 * (a * a + b * b) + 1.0, 0.3 * (a * c + b * d), 0.3 * (c * c + d * d) + 1.0];
+        let centre = [random.between(40.0, 50.0), random.between(40.0, 50.0)];
+        let f = Ellipse { centre, q };
+        let results = scene.all(|rows| ellipse(Isa::Scalar, &f, rows));
+        for isa in Isa::available() {
+            let other = scene.all(|rows| ellipse(isa, &f, rows));
+            assert_eq!(format!("{other:?}"), format!("{results:?}"), "{isa:?} {f:?}");
+        }
+        // All texels, in double precision.
+        let det = q[0] * q[2] - q[1] * q[1];
+        let (mut total, mut sum) = (0.0, 0.0);
+        for y in 0..N {
+            for x in 0..N {
+                let (dx, dy) = (x as f64 - centre[0], y as f64 - centre[1]);
+                let square = (q[2] * dx * dx - 2.0 * q[1] * dx * dy + q[0] * dy * dy) / det;
+                let weight = ((-2.0 * square).exp() - (-2.0f64).exp()).max(0.0);
+                sum += weight;
+                total += weight * (f64::from(scene.bytes[4 * (y * N + x)]) - 3.0);
+            }
+        }
+        // Weights are good to a few roundings of singles, of codes up to 255.
         assert!((f64::from(results[0][0]) - total / sum).abs() < 2e-3, "{f:?}: {results:?} {}", total / sum);
     }
 }
