@@ -8,8 +8,9 @@ use super::Rows;
 use super::pyramid::Element;
 use super::read::Pixel;
 use crate::error::{Error, Result};
+use crate::kernel::cast::{same, same_mut};
 use crate::kernel::remap::Real;
-use crate::kernel::{Isa, compiled_for};
+use crate::kernel::{Isa, box_down, compiled_for};
 use crate::par;
 
 /// Elements of input that a thread takes at a time, about.
@@ -94,7 +95,11 @@ pub fn area<T: Pixel + Element>(
         if halves {
             for (y, out) in out.chunks_exact_mut(row).enumerate() {
                 let pair = [source.row(2 * (first + y)), source.row(2 * (first + y) + 1)];
-                compiled_for(isa, || halve(pair, channels, out));
+                if let ([Some(a), Some(b)], Some(out)) = (pair.map(same::<T, u8>), same_mut::<T, u8>(out)) {
+                    box_down::halve_codes(isa, a, b, channels, out);
+                } else {
+                    compiled_for(isa, || halve(pair, channels, out));
+                }
             }
             return;
         }

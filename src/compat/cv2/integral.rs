@@ -13,10 +13,12 @@
 
 use super::Rows;
 use crate::error::{Error, Result};
+use crate::kernel::cast::same_mut;
+use crate::kernel::{Isa, compiled_for, prefix};
 use half::f16;
 
 /// What sums are kept in.
-pub trait Sum: Copy + Default {
+pub trait Sum: Copy + Default + 'static {
     /// `self + other`
     fn plus(self, other: Self) -> Self;
     /// `self - other`
@@ -59,32 +61,30 @@ impl Sum for f64 {
 pub trait Term<S>: Copy {
     /// The element as a sum.
     fn term(self) -> S;
+    /// A row of a table of sums of elements, as [`prefix::row`] makes it; `zeros` has one number a channel.
+    fn row(isa: Isa, texels: &[Self], zeros: &[S], above: &[S], out: &mut [S]);
 }
 
 /// What a table of sums kept in `S` is stored in.
-pub trait Stored<S>: Copy + Default {
+pub trait Stored<S>: Copy + Default + 'static {
     /// The sum, rounded.
     fn stored(sum: S) -> Self;
 }
 
-impl Term<i32> for u8 {
-    #[inline(always)]
-    fn term(self) -> i32 {
-        i32::from(self)
-    }
-}
-
 macro_rules! terms {
-    ($($t:ty),+) => {$(
-        impl Term<f64> for $t {
+    ($($t:ty => $sum:ty),+) => {$(
+        impl Term<$sum> for $t {
             #[inline(always)]
-            fn term(self) -> f64 {
-                f64::from(self)
+            fn term(self) -> $sum {
+                <$sum>::from(self)
+            }
+            fn row(isa: Isa, texels: &[Self], zeros: &[$sum], above: &[$sum], out: &mut [$sum]) {
+                prefix::row(isa, texels, zeros, above, out);
             }
         }
     )+};
 }
-terms!(u8, u16, i16, f16, f32, f64);
+terms!(u8 => i32, u8 => f64, u16 => f64, i16 => f64, f16 => f64, f32 => f64, f64 => f64);
 
 impl Stored<i32> for i32 {
     #[inline(always)]
@@ -126,11 +126,24 @@ pub fn upright<T: Term<S>, S: Sum, O: Stored<S>, const SQUARE: bool>(
     out: &mut [O],
 ) -> Result<()> {
     table_fits("sum", &src, out.len())?;
+    let isa = Isa::current();
+    if let (false, Some(out)) = (SQUARE, same_mut::<O, S>(out)) {
+        let row = (src.width + 1) * src.channels;
+        let zeros = vec![S::default(); src.channels];
+        let (first, rest) = out.split_at_mut(row);
+        first.fill(S::default());
+        let mut above: &[S] = first;
+        for (y, out) in rest.chunks_exact_mut(row).enumerate() {
+            T::row(isa, src.row(y), &zeros, above, out);
+            above = out;
+        }
+        return Ok(());
+    }
     match src.channels {
-        1 => upright_of::<T, S, O, SQUARE, 1>(src, out),
-        2 => upright_of::<T, S, O, SQUARE, 2>(src, out),
-        3 => upright_of::<T, S, O, SQUARE, 3>(src, out),
-        4 => upright_of::<T, S, O, SQUARE, 4>(src, out),
+        1 => compiled_for(isa, || upright_of::<T, S, O, SQUARE, 1>(src, out)),
+        2 => compiled_for(isa, || upright_of::<T, S, O, SQUARE, 2>(src, out)),
+        3 => compiled_for(isa, || upright_of::<T, S, O, SQUARE, 3>(src, out)),
+        4 => compiled_for(isa, || upright_of::<T, S, O, SQUARE, 4>(src, out)),
         channels => {
             let row = (src.width + 1) * channels;
             let mut above = vec![S::default(); row];
@@ -158,6 +171,7 @@ fn value<T: Term<S>, S: Sum, const SQUARE: bool>(texel: T) -> S {
     if SQUARE { texel.term().square() } else { texel.term() }
 }
 
+#[inline(always)]
 fn upright_of<T: Term<S>, S: Sum, O: Stored<S>, const SQUARE: bool, const C: usize>(
     src: Rows<'_, T>,
     out: &mut [O],
