@@ -14,6 +14,9 @@ static GLOBAL_LIMIT: AtomicUsize = AtomicUsize::new(0);
 /// More threads than this help nobody and are not made.
 const MOST_THREADS: usize = 256;
 
+/// Work of fewer pixels stays on the calling thread: others would hardly be awake before it is done.
+pub const SERIAL: usize = 10_000;
+
 /// Tiles handed out between two calls of the interrupt hook.
 const TILES_PER_CHECK: usize = 256;
 
@@ -110,6 +113,15 @@ pub fn for_each<T: Send>(
         }
     }
     Ok(())
+}
+
+/// As [`for_each`], on the calling thread alone where there are fewer than [`SERIAL`] pixels in all.
+pub fn for_pixels<T: Send>(
+    pixels: usize,
+    tiles: impl ExactSizeIterator<Item = T> + Send,
+    work: impl Fn(usize, T) -> Result<()> + Sync,
+) -> Result<()> {
+    if pixels < SERIAL { with_threads(Some(1), || for_each(tiles, work)) } else { for_each(tiles, work) }
 }
 
 /// Calls `worker` once on each of `threads` threads and waits for them.

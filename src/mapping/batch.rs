@@ -137,10 +137,11 @@ fn drive<T: Real>(
     periodic: bool,
     job: &Job<'_>,
 ) -> Result<()> {
+    let points = first.len() / sizes[0];
     let mut seconds = second.map(|s| s.chunks_mut(TILE * sizes[1]));
     let tiles: Vec<_> =
         first.chunks_mut(TILE * sizes[0]).map(|a| (a, seconds.as_mut().and_then(Iterator::next))).collect();
-    par::for_each(tiles.into_iter(), |tile, (a, b)| {
+    par::for_pixels(points, tiles.into_iter(), |tile, (a, b)| {
         let mut rest = b.map(|b| b.chunks_exact_mut(sizes[1]));
         for (k, out) in a.chunks_exact_mut(sizes[0]).enumerate() {
             let (mut x, mut y) = ([0.0; MOST], [0.0; MOST]);

@@ -75,7 +75,7 @@ fn next<T: Texel, R: Real>(
     let codes = target.data[target.origin..].chunks_mut(stride.saturating_mul(ROWS));
     let isa = Isa::current();
     let tiles = plane.numbers.chunks_mut(row * ROWS).zip(codes);
-    par::for_each(tiles, |tile, (numbers, codes)| {
+    par::for_pixels(target.width * target.height, tiles, |tile, (numbers, codes)| {
         let mut reader = Reader::new(source, taps, wrap, codec);
         let mut scratch = vec![R::default(); row];
         for (r, (numbers, codes)) in numbers.chunks_mut(row).zip(codes.chunks_mut(stride)).enumerate() {

@@ -96,7 +96,7 @@ fn pass<T: Texel, R: Real>(
     }
     let isa = Isa::current();
     let tops = top.chunks_mut(w * codec.lanes * ROWS);
-    par::for_each(slots.into_iter().zip(tops), |_, (slots, top)| {
+    par::for_pixels(width * height, slots.into_iter().zip(tops), |_, (slots, top)| {
         Band::new(source, &steps, slots, top, lanes, codec, isa).run();
         Ok(())
     })?;

@@ -16,8 +16,6 @@ use std::marker::PhantomData;
 
 /// Samples a tile: small enough to balance, large enough to be worth a hand-over.
 pub(super) const TILE: usize = 4096;
-/// Calls with fewer samples stay on the calling thread.
-const SERIAL: usize = 10_000;
 
 /// A block of samples, to be compiled for an instruction set.
 struct Averages<'a, T: Element, D> {
@@ -94,26 +92,25 @@ impl Sampler {
     ) -> Result<()> {
         let channels = texture.channels();
         for group in 0..texture.num_groups() {
-            let layers = self.layers::<T>(texture, group)?;
+            let prepare = || self.layers::<T>(texture, group);
+            let small = texture.width() * texture.height() < par::SERIAL;
+            let layers = if small { par::with_threads(Some(1), prepare)? } else { prepare()? };
             let isa = Isa::current();
             let tiles = out.chunks_mut(TILE * channels);
-            let run = || {
-                par::for_each(tiles, |tile, out| {
-                    let slots = Slots { out, channels, group, first: tile * TILE };
-                    if layers.decoder.is_plain() {
-                        let plain = Plain { full_scale: layers.decoder.full_scale };
-                        let reader = Reader::new(&layers, plain, isa);
-                        let averages = self.averages(&reader);
-                        slots.fill(places, averages, |average| finish.plain(&reader, average, group));
-                    } else {
-                        let reader = Reader::new(&layers, layers.decoder, isa);
-                        let averages = self.averages(&reader);
-                        slots.fill(places, averages, |average| finish.decoded(&reader, average, group));
-                    }
-                    Ok(())
-                })
-            };
-            if samples < SERIAL { par::with_threads(Some(1), run)? } else { run()? }
+            par::for_pixels(samples, tiles, |tile, out| {
+                let slots = Slots { out, channels, group, first: tile * TILE };
+                if layers.decoder.is_plain() {
+                    let plain = Plain { full_scale: layers.decoder.full_scale };
+                    let reader = Reader::new(&layers, plain, isa);
+                    let averages = self.averages(&reader);
+                    slots.fill(places, averages, |average| finish.plain(&reader, average, group));
+                } else {
+                    let reader = Reader::new(&layers, layers.decoder, isa);
+                    let averages = self.averages(&reader);
+                    slots.fill(places, averages, |average| finish.decoded(&reader, average, group));
+                }
+                Ok(())
+            })?;
         }
         Ok(())
     }

@@ -67,22 +67,27 @@ fn typed<T: Element, O: Real>(
     let channels = texture.channels();
     for group in 0..texture.num_groups() {
         let layers = texture.layers::<T>(group, false)?;
-        par::for_each(out.chunks_mut(TILE * channels * 2), |tile, out| {
-            for (k, out) in out.chunks_exact_mut(channels * 2).enumerate() {
-                let [u, v] = place(tile * TILE + k);
-                let (s, t) = (u * size[0], v * size[1]);
-                let pairs = if layers.decoder.is_plain() {
-                    let plain = Plain { full_scale: layers.decoder.full_scale };
-                    slopes(&Reader::new(&layers, plain, Isa::current()), filter, s, t)
-                } else {
-                    slopes(&Reader::new(&layers, layers.decoder, Isa::current()), filter, s, t)
-                };
-                let signs = [texture.wrap()[0].reduce(s, size[0]).1, texture.wrap()[1].reduce(t, size[1]).1];
-                for (out, pair) in out[8 * group..].chunks_exact_mut(2).zip(pairs) {
-                    for axis in 0..2 {
-                        out[axis] = O::from_f64(pair[axis].to_f64() * size[axis] * signs[axis]);
+        let isa = Isa::current();
+        par::for_pixels(out.len() / (2 * channels), out.chunks_mut(TILE * channels * 2), |tile, out| {
+            let mut put = |slopes: &dyn Fn(f64, f64) -> [[T::Real; 2]; 4]| {
+                for (k, out) in out.chunks_exact_mut(channels * 2).enumerate() {
+                    let [u, v] = place(tile * TILE + k);
+                    let (s, t) = (u * size[0], v * size[1]);
+                    let [wu, wv] = texture.wrap();
+                    let signs = [wu.reduce(s, size[0]).1, wv.reduce(t, size[1]).1];
+                    for (out, pair) in out[8 * group..].chunks_exact_mut(2).zip(slopes(s, t)) {
+                        for axis in 0..2 {
+                            out[axis] = O::from_f64(pair[axis].to_f64() * size[axis] * signs[axis]);
+                        }
                     }
                 }
+            };
+            if layers.decoder.is_plain() {
+                let reader = Reader::new(&layers, Plain { full_scale: layers.decoder.full_scale }, isa);
+                put(&|s, t| slopes(&reader, filter, s, t));
+            } else {
+                let reader = Reader::new(&layers, layers.decoder, isa);
+                put(&|s, t| slopes(&reader, filter, s, t));
             }
             Ok(())
         })?;

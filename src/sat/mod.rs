@@ -238,7 +238,7 @@ impl SummedAreaTable {
         }
         let [w, h] = self.inner().map(|n| n as f64);
         let tiles = out.chunks_mut(BOXES * self.channels).zip(boxes.chunks(BOXES));
-        par::for_each(tiles, |_, (out, boxes)| {
+        par::for_pixels(boxes.len(), tiles, |_, (out, boxes)| {
             for (out, b) in out.chunks_exact_mut(self.channels).zip(boxes) {
                 let sides = [b[0] * w, b[1] * h, b[2] * w, b[3] * h];
                 match self.channels {
@@ -269,7 +269,7 @@ fn carries<T: Texel, S: Sum<T> + Send + Sync>(
     let bands = image.height().div_ceil(BAND);
     let isa = Isa::current();
     let mut columns: Vec<Vec<S>> = vec![vec![S::default(); row]; bands];
-    par::for_each(columns.iter_mut(), |band, sums| {
+    par::for_pixels(image.width() * image.height(), columns.iter_mut(), |band, sums| {
         for y in band * BAND..((band + 1) * BAND).min(image.height()) {
             prefix::add_columns(isa, image.row(y), sums);
         }
@@ -301,7 +301,7 @@ fn fill<T: Texel, S: Sum<T> + Send + Sync>(
     let mut table = pages::zeros(row * (image.height() + 1));
     let isa = Isa::current();
     let tiles = table[row..].chunks_mut(row * band).zip(carries);
-    par::for_each(tiles, |tile, (rows, carry)| {
+    par::for_pixels(image.width() * image.height(), tiles, |tile, (rows, carry)| {
         let mut above: &[S] = carry;
         for (r, out) in rows.chunks_exact_mut(row).enumerate() {
             prefix::row(isa, image.row(tile * band + r), offset, above, out);

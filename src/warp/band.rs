@@ -43,7 +43,7 @@ pub fn resample<S: Scaled<f64>, O: Real>(job: &Resample<'_, S>, out: &mut [O]) -
         bands.into_iter().for_each(|band| job.rows(isa, 0, band));
         return Ok(());
     }
-    par::for_each(bands, |i, band| {
+    par::for_pixels(job.data.len() / job.channels, bands, |i, band| {
         job.rows(isa, i * rows, band);
         Ok(())
     })
