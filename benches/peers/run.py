@@ -11,11 +11,13 @@ by the clock on the wall.
 
 import argparse
 import sys
+import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from suite import filtered, growth, machine, page, plain
-from suite.clock import Timed, alternate, compare
+from suite.clock import Case, Timed, alternate, compare
 
 import multum as mt
 
@@ -30,29 +32,41 @@ def set_threads(count: int) -> None:
         pass
 
 
-def timed(options: argparse.Namespace) -> list[Timed]:
-    rows = []
+def cases(options: argparse.Namespace) -> Iterator[Case]:
+    """Those that were asked for, of the peers that are installed."""
     side = 1024 if options.quick else 2048
     for name, group in plain.GROUPS.items():
         if options.only not in ("", name) and options.only in plain.GROUPS:
             continue
         try:
             for case in group(4096 if name == "tables" and not options.quick else side):
-                if options.only not in plain.GROUPS and options.only not in case.name:
-                    continue
-                compare(case)
-                for threads in options.threads:
-                    # These peers have one thread.
-                    if threads > 1 and case.peer.split(" ")[0] != "OpenCV":
-                        continue
-                    set_threads(threads)
-                    row = alternate(case, threads, 3 if options.quick else 11)
-                    rows.append(row)
-                    print(f"{case.name}, {threads} threads: {row.ratio:.2f} of {case.peer}", flush=True)
-                set_threads(1)
+                if options.only in plain.GROUPS or options.only in case.name:
+                    yield case
         except ImportError as error:
             print(f"{name}: {error}", file=sys.stderr)
-    return rows
+
+
+def timed(options: argparse.Namespace) -> tuple[list[Timed], list[str]]:
+    """Times, and what stood in their way: results that differ are not timed."""
+    rows, failures = [], []
+    for case in cases(options):
+        try:
+            if wrong := compare(case):
+                failures.append(f"{case.name}: {wrong}")
+                continue
+            for threads in options.threads:
+                # These peers have one thread.
+                if threads > 1 and case.peer.split(" ")[0] != "OpenCV":
+                    continue
+                set_threads(threads)
+                row = alternate(case, threads, 3 if options.quick else 11)
+                rows.append(row)
+                print(f"{case.name}, {threads} threads: {row.ratio:.2f} of {case.peer}", flush=True)
+        except (ArithmeticError, RuntimeError, TypeError, ValueError) as error:
+            failures.append(f"{case.name}: {type(error).__name__}: {error}")
+        finally:
+            set_threads(1)
+    return rows, failures
 
 
 def main() -> None:
@@ -72,12 +86,13 @@ def main() -> None:
     set_threads(1)
     about: dict[str, Any] = machine.describe()
     print(page.header(about))
-    rows = timed(options)
+    start = time.perf_counter()
+    rows, failures = timed(options)
     contests: list[filtered.Contest] = []
     curves: list[growth.Curve] = []
     if not options.only:
         if "filtered" not in options.skip:
-            contests = list(filtered.contests(options.quick, lambda text: None))
+            contests = list(filtered.contests(options.quick, lambda text: print(text, flush=True)))
         if "growth" not in options.skip:
             largest = 1024 if options.quick else options.largest
             for part in (
@@ -87,13 +102,13 @@ def main() -> None:
                 growth.threads(2),
             ):
                 for curve in part:
-                    print(curve[:2], flush=True)
+                    print(", ".join(curve[:2]), flush=True)
                     curves.append(curve)
     parts = [page.header(about), "### Beside the peers", page.table(rows, about["copy"])]
     if contests:
         parts += ["### Filtered", page.filtered_table(contests)]
     if curves:
-        parts += ["### Growth", page.growth_table(curves)]
+        parts += ["### Growth", page.growth_table(curves), "### Threads", page.speedups(curves)]
     text = "\n\n".join(parts)
     options.out.mkdir(parents=True, exist_ok=True)
     (options.out / "results.md").write_text(text + "\n")
@@ -103,7 +118,11 @@ def main() -> None:
         picture = options.docs.parent / "img" / "benchmarks.png"
         page.draw(rows, curves, picture)
         page.insert(options.docs, text + "\n\n![Ratios, goals and growth](img/benchmarks.png)")
-    print(f"written to {options.out}")
+    print(f"written to {options.out} after {time.perf_counter() - start:.0f} s")
+    for failure in failures:
+        print(failure, file=sys.stderr)
+    if failures:
+        raise SystemExit(1)
 
 
 if __name__ == "__main__":

@@ -34,10 +34,14 @@ PAIRS = [
 ]
 
 
+METHODS = ["8x8", "adaptive", "warp order 1", "trilinear", "anisotropic 16", "area", "auto"]
+"""First letters of the methods' names."""
+
+
 def contests(quick: bool, tell: Callable[[str], None]) -> Iterator[Contest]:
     """The photograph in perspective and on a ball, one thread."""
     for scene in ("homography", "sphere"):
-        made = mt.chart(scenes=[scene], textures=["photo"], quick=quick, tell=tell)
+        made = mt.chart(scenes=[scene], textures=["photo"], methods=METHODS, quick=quick, tell=tell)
         for kind, family, word, names, goal in PAIRS:
             mine = [p for p in made.points if p.kind == kind and p.family == "multum" and p.method in names]
             for other in made.points:

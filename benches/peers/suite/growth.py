@@ -12,7 +12,7 @@ from .clock import codes, nanoseconds
 from .plain import turned, turned_map
 
 ours = mt.compat.cv2
-LINEAR, INVERSE = 1, 16
+LINEAR, AREA, INVERSE = 1, 3, 16
 Curve = tuple[str, str, list[tuple[float, float]]]
 """What varies, the curve's name, pairs of value and nanoseconds a pixel."""
 
@@ -25,6 +25,10 @@ def _repeated(work: Callable[[], Any], times: int) -> Callable[[], None]:
     return loop
 
 
+MEMORY = 3 << 30
+"""Bytes that a case may need for what it reads and makes."""
+
+
 def sizes(largest: int) -> Iterator[Curve]:
     """Images from 64 squared on."""
     random = np.random.default_rng(5)
@@ -34,17 +38,29 @@ def sizes(largest: int) -> Iterator[Curve]:
         image = codes(random, (side, side, 3), np.uint8)
         out = np.empty_like(image)
         times = max(1, (1 << 20) // side**2)
-        works: dict[str, Callable[[], Any]] = {
-            "warpAffine linear": lambda: ours.warpAffine(
-                image, turned(side), (side, side), dst=out, flags=LINEAR | INVERSE, antialias=False
+        # Bytes a pixel: the picture, the result, and positions in two singles or sums of 32 or 64 bits.
+        line = turned_map(side) if side**2 * (6 + 8 + 32) < MEMORY else None
+        works: dict[str, tuple[int, Callable[[], Any]]] = {
+            "warpAffine linear": (
+                6,
+                lambda: ours.warpAffine(
+                    image, turned(side), (side, side), dst=out, flags=LINEAR | INVERSE, antialias=False
+                ),
             ),
-            "pyramid, linear light": lambda: mt.build_pyramid(image, encoding="srgb"),
-            "summed-area table": lambda: mt.SummedAreaTable(image),
+            "remap linear": (46, lambda: ours.remap(image, *line, LINEAR, dst=out, antialias=False)),
+            "resize area by 2": (
+                6,
+                lambda: ours.resize(image, (side // 2, side // 2), interpolation=AREA),
+            ),
+            "pyramid, linear light": (7, lambda: mt.build_pyramid(image, encoding="srgb")),
+            "summed-area table": (
+                15 if side <= 4096 else 27,
+                lambda: mt.SummedAreaTable(image),
+            ),
         }
-        if side <= 8192:
-            line = turned_map(side)
-            works["remap linear"] = lambda: ours.remap(image, *line, LINEAR, dst=out, antialias=False)
-        for name, work in works.items():
+        for name, (needed, work) in works.items():
+            if needed * side**2 > MEMORY:
+                continue
             ns = nanoseconds(_repeated(work, times), side * side * times, 3)
             curves.setdefault(name, []).append((side, ns))
         side *= 2
@@ -94,21 +110,36 @@ def footprints() -> Iterator[Curve]:
 
 
 def threads(most: int) -> Iterator[Curve]:
-    """The same work on one thread and more, by the clock on the wall."""
+    """The same work on one thread and more, by the clock on the wall: the least of nine."""
     random = np.random.default_rng(8)
-    side = 2048
+    side = 1024
     image = codes(random, (side, side, 3), np.uint8)
+    singles = random.random((side, side, 3), np.float32)
     out = np.empty_like(image)
     line = turned_map(side)
     texture = mt.Texture(image, wrap="repeat")
     uv = random.random((512, 512, 2), np.float32)
     jacobian = np.broadcast_to(np.eye(2) * 4 / side, (512, 512, 2, 2)).astype(np.float32)
+    matrix = turned(side) * 2.5
     works: dict[str, tuple[Callable[[], Any], int]] = {
         "remap linear": (lambda: ours.remap(image, *line, LINEAR, dst=out, antialias=False), side**2),
+        "warpAffine linear": (
+            lambda: ours.warpAffine(
+                image, turned(side), (side, side), dst=out, flags=LINEAR | INVERSE, antialias=False
+            ),
+            side**2,
+        ),
+        "warp, averaged": (lambda: mt.warp(image, matrix, (384, 384)), 384**2),
+        "resize area by 2.7": (lambda: ours.resize(singles, (380, 380), interpolation=AREA), side**2),
         "pyramid, linear light": (lambda: mt.build_pyramid(image, encoding="srgb"), side**2),
         "summed-area table": (lambda: mt.SummedAreaTable(image), side**2),
-        "trilinear": (lambda: texture.sample(uv, jacobian, filter="trilinear"), 512**2),
+        "panorama": (
+            lambda: mt.panorama.convert(image, source="equirect", target="fisheye", size=512),
+            512**2,
+        ),
     }
+    for name in ("bilinear", "trilinear", "anisotropic", "ewa", "area", "auto"):
+        works[name] = (lambda n=name: texture.sample(uv, jacobian, filter=n), 512**2)  # type: ignore[misc]
     for name, (work, pixels) in works.items():
         points = []
         for count in range(1, most + 1):

@@ -54,6 +54,15 @@ def filtered_table(rows: Sequence[Contest]) -> str:
     return "\n".join(lines)
 
 
+def speedups(curves: Sequence[Curve]) -> str:
+    """How much faster two threads are than one."""
+    lines = ["| work | two threads, times as fast as one |", "|---|---|"]
+    for what, name, points in curves:
+        if what == "threads" and len(points) > 1:
+            lines.append(f"| {name} | {points[0][1] / points[1][1]:.2f} |")
+    return "\n".join(lines)
+
+
 def growth_table(curves: Sequence[Curve]) -> str:
     lines = ["| against | what | nanoseconds a pixel |", "|---|---|---|"]
     for what, name, points in curves:
@@ -94,17 +103,21 @@ def draw(rows: Sequence[Timed], curves: Sequence[Curve], path: Path) -> None:
     if kinds:
         grid = parts[1].subplots((len(kinds) + 2) // 3, 3, squeeze=False)
         for kind, ax in zip(kinds, grid.flat, strict=False):
+            threads = kind == "threads"
             for what, name, points in curves:
                 if what == kind:
-                    ax.plot([v for v, _ in points], [ns for _, ns in points], "o-", ms=3, lw=1.2, label=name)
+                    first = points[0][1]
+                    heights = [first / ns if threads else ns for _, ns in points]
+                    ax.plot([v for v, _ in points], heights, "o-", ms=3, lw=1.2, label=name)
             ax.set_xscale("log", base=2)
             ax.xaxis.set_major_formatter(lambda v, _: f"{v:g}")
-            ax.set_yscale("log")
+            if not threads:
+                ax.set_yscale("log")
             ax.set_xlabel(kind, fontsize=8)
-            ax.set_ylabel("ns a pixel", fontsize=8)
-            ax.tick_params(labelsize=7)
+            ax.set_ylabel("times as fast as one" if threads else "ns a pixel", fontsize=8)
+            ax.tick_params(labelsize=7, which="both")
             ax.grid(alpha=0.3, which="both", lw=0.4)
-            ax.legend(fontsize=7)
+            ax.legend(fontsize=5.5, ncols=2, loc="best")
         for ax in list(grid.flat)[len(kinds) :]:
             ax.axis("off")
     path.parent.mkdir(parents=True, exist_ok=True)

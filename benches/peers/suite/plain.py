@@ -225,6 +225,7 @@ def science(side: int) -> Iterator[Case]:
         lambda: mt.compat.skimage.warp(image, matrix, order=1),
         goal=20,
         most=1e-9,
+        moved=48,
     )
     yield Case(
         "science",
@@ -235,6 +236,7 @@ def science(side: int) -> Iterator[Case]:
         lambda: mt.compat.skimage.rescale(image, 0.37, anti_aliasing=True, channel_axis=-1),
         goal=10,
         most=1e-9,
+        moved=24 * (1 + 0.37**2),
     )
     yield Case(
         "science",
