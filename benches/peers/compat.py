@@ -1,14 +1,17 @@
-"""The drop-ins beside the functions that they stand for: one thread, one process, alternating calls.
+"""The drop-ins beside the functions that they stand for: one thread, one process, calls in turn.
 
-    python benches/peers/compat.py [side ...]
+    python benches/peers/compat.py [side ...] [--only WORD] [--docs docs/peers.md]
 
-Prints CPU and versions, then for each call the best of both in microseconds and the ratio (above 1: multum is
-faster). Small sides measure what a call costs beside its work. Results are compared before anything is timed.
-PyTorch is timed where it is installed.
+Prints CPU and versions, then for each call the processor time of the faster half of all readings of both in
+microseconds and the ratio (above 1: multum is faster), for pictures of these sides. Small sides measure what a call costs
+beside its work. Results are compared before anything is timed. PyTorch is timed where it is installed. With --docs the
+table goes between the marks of that document.
 """
 
+import argparse
 import platform
-import sys
+import re
+import statistics
 import time
 from pathlib import Path
 
@@ -27,20 +30,20 @@ def cpu():
     return platform.processor()
 
 
-def alternate(peer, own, least=0.1):
-    """The best time of each, in microseconds, of as many calls as fit into so many seconds."""
-    best, spent = [float("inf")] * 2, 0.0
+def alternate(peer, own, least=0.15):
+    """The median of the faster half of readings of each, in microseconds, over so many seconds."""
+    readings, spent = ([], []), 0.0
     count = 1
-    while spent < least:
-        for i, work in enumerate((peer, own)):
-            start = time.perf_counter()
+    while spent < least or len(readings[0]) < 5:
+        for work, kept in zip((peer, own), readings, strict=True):
+            start = time.thread_time()
             for _ in range(count):
                 work()
-            taken = time.perf_counter() - start
+            taken = time.thread_time() - start
             spent += taken
-            best[i] = min(best[i], taken / count)
-        count = max(1, min(50, int(2e-3 / max(best))))
-    return [b * 1e6 for b in best]
+            kept.append(taken / count)
+        count = max(1, min(200, int(1e-3 / max(min(kept) for kept in readings))))
+    return [statistics.median(sorted(kept)[: len(kept) // 2 + 1]) * 1e6 for kept in readings]
 
 
 def picture(side, dtype, channels):
@@ -70,10 +73,13 @@ def opencv_calls(side):
         yield f"remap, cubic {kind}", "remap", (image, *maps, cv2.INTER_CUBIC), {}
         yield f"remap, Lanczos {kind}", "remap", (image, *maps, cv2.INTER_LANCZOS4), {}
         yield f"resize by 3/2 {kind}", "resize", (image, (side * 3 // 2,) * 2), {}
+        yield f"resize, cubic by 3/2 {kind}", "resize", (image, (side * 3 // 2,) * 2), {"interpolation": cv2.INTER_CUBIC}
         yield f"resize, nearest {kind}", "resize", (image, (side * 3 // 2,) * 2), {"interpolation": cv2.INTER_NEAREST}
         yield f"resize, area by 2 {kind}", "resize", (image, (side // 2,) * 2), {"interpolation": cv2.INTER_AREA}
         yield f"resize, area by 2.7 {kind}", "resize", (image, (int(side / 2.7),) * 2), {"interpolation": cv2.INTER_AREA}
         flags = cv2.INTER_LINEAR | cv2.WARP_FILL_OUTLIERS
+        # Both average; OpenCV over pixels, multum over what is interpolated between them.
+        yield f"resize, reduced by 2.7, anti-aliased (OpenCV: area) {kind}", "resize", (image, (int(side / 2.7),) * 2), {"interpolation": cv2.INTER_AREA, "antialias": "linear"}
         yield f"warpPolar {kind}", "warpPolar", (image, size, (side / 2,) * 2, side / 2, flags), {"antialias": False}
         yield f"undistort {kind}", "undistort", (image, camera, np.array([-0.1, 0.01, 0, 0])), {"antialias": False}
         yield f"getRectSubPix {kind}", "getRectSubPix", (image, (side // 2,) * 2, (side / 2 + 0.3, side / 2 - 0.2)), {}
@@ -81,6 +87,7 @@ def opencv_calls(side):
         yield f"pyrDown {kind}", "pyrDown", (image,), {}
         yield f"pyrUp {kind}", "pyrUp", (image,), {}
     yield "convertMaps", "convertMaps", (*maps, cv2.CV_16SC2), {}
+    yield "initUndistortRectifyMap", "initUndistortRectifyMap", (camera, np.array([-0.1, 0.01, 0, 0]), None, camera, size, cv2.CV_32FC1), {}
 
 
 def skimage_calls(side):
@@ -113,20 +120,38 @@ def first(result):
     return np.asarray(result[0] if isinstance(result, tuple) else result).astype(np.float64)
 
 
-def row(title, side, peer, own, name, arguments, options):
-    theirs = {k: v for k, v in options.items() if (k, v) != ("antialias", False)}
-    work = (lambda: getattr(peer, name)(*arguments, **theirs)), (lambda: getattr(own, name)(*arguments, **options))
+def measured(title, peer, own, name, arguments, options):
+    theirs = {k: v for k, v in options.items() if k != "antialias"}
+    ours = dict(options)
+    loose = ours.get("antialias") == "linear"
+    if loose:
+        ours = {"interpolation": cv2.INTER_LINEAR}
+    work = (lambda: getattr(peer, name)(*arguments, **theirs)), (lambda: getattr(own, name)(*arguments, **ours))
     want, got = (first(w()) for w in work)
     scale = max(np.abs(want).max(), 1)
     # One step of integers, or what a last bit of a position makes of noise.
-    close = np.abs(want - got) <= max(1 if scale > 1 else 0, 1e-3 * scale)
+    close = np.abs(want - got) <= (0.5 * scale if loose else max(1 if scale > 1 else 0, 1e-3 * scale))
     assert want.shape == got.shape and close.mean() > 0.99, title
-    peer_us, own_us = alternate(*work)
-    print(f"| {title} | {side} | {peer_us:.1f} | {own_us:.1f} | {peer_us / own_us:.2f} |")
+    return alternate(*work)
+
+
+def calls(side, torch):
+    """Every call of every library, with both sides' modules."""
+    for title, *call in opencv_calls(side):
+        yield f"cv2.{title}", cv2, mt.compat.cv2, *call
+    for title, *call in skimage_calls(side):
+        yield f"skimage {title}", skimage.transform, mt.compat.skimage, *call
+    if torch is not None:
+        for title, *call in torch_calls(torch, side):
+            yield f"torch {title}", torch.nn.functional, mt.compat.torch, *call
 
 
 def main():
-    sides = [int(a) for a in sys.argv[1:]] or [32, 512, 2048]
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("sides", nargs="*", type=int, default=[32, 512, 2048])
+    parser.add_argument("--only", default="")
+    parser.add_argument("--docs", type=Path)
+    given = parser.parse_args()
     mt.set_num_threads(1)
     cv2.setNumThreads(1)
     try:
@@ -136,17 +161,29 @@ def main():
     except ImportError:
         torch = None
     versions = f"OpenCV {cv2.__version__}, scikit-image {skimage.__version__}, NumPy {np.__version__}"
-    print(f"{cpu()}, one thread; multum {mt.__version__}, {versions}\n")
-    print("| call | side | peer, us | multum, us | ratio |")
-    print("|---|---|---|---|---|")
-    for side in sides:
-        for title, *call in opencv_calls(side):
-            row(f"cv2.{title}", side, cv2, mt.compat.cv2, *call)
-        for title, *call in skimage_calls(side):
-            row(f"skimage {title}", side, skimage.transform, mt.compat.skimage, *call)
-        if torch is not None:
-            for title, *call in torch_calls(torch, side):
-                row(f"torch {title}", side, torch.nn.functional, mt.compat.torch, *call)
+    if torch is not None:
+        versions += f", PyTorch {torch.__version__.partition('+')[0]}"
+    lines = [
+        f"{cpu()}, one thread; multum {mt.__version__}, {versions}.",
+        "",
+        "| call | " + " | ".join(f"{n} squared: peer, us | multum, us | ratio" for n in given.sides) + " |",
+        "|---|" + "---:|" * 3 * len(given.sides),
+    ]
+    print("\n".join(lines))
+    by_side = [[c for c in calls(side, torch) if given.only in c[0]] for side in given.sides]
+    for row in zip(*by_side, strict=True):
+        cells = []
+        for call in row:
+            peer, own = measured(*call)
+            cells.append(f"{peer:.3g} | {own:.3g} | {peer / own:.2f}" if peer < 1000 else f"{peer:.0f} | {own:.0f} | {peer / own:.2f}")
+        lines.append(f"| {row[0][0]} | " + " | ".join(cells) + " |")
+        print(lines[-1], flush=True)
+    if given.docs:
+        marks = "<!-- begin: written by benches/peers/compat.py -->", "<!-- end: compat.py -->"
+        text = given.docs.read_text(encoding="utf-8")
+        table = "\n\n".join([marks[0], "\n".join(lines), marks[1]])
+        pattern = re.compile(re.escape(marks[0]) + ".*?" + re.escape(marks[1]), re.S)
+        given.docs.write_text(pattern.sub(lambda _: table, text), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -176,6 +176,9 @@ def map_minifies(
     width: int,
     height: int,
 ) -> bool: ...
+def torch_grid_sample(
+    images: Any, grid: Any, mode: str, padding_mode: str, align_corners: bool, last: bool
+) -> NDArray[Any] | None: ...
 def cv2_remap(
     src: Any,
     map1: Any,
@@ -197,7 +200,6 @@ def cv2_warp(
     value: Any,
     antialias: bool,
 ) -> NDArray[Any] | None: ...
-def cv2_inverse(matrix: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def cv2_patch(src: Any, size: Any, center: Any, dst: Any) -> NDArray[Any] | None: ...
 def cv2_polar(
     src: Any,
@@ -210,31 +212,28 @@ def cv2_polar(
     dst: Any,
     antialias: bool,
 ) -> NDArray[Any] | None: ...
-def cv2_polar_map(
-    width: int,
-    height: int,
-    dsize: tuple[int, int],
-    center: tuple[float, float],
-    radius: float,
-    flags: int,
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]: ...
 def cv2_resize(
     src: Any, dsize: Any, dst: Any, fx: float, fy: float, interpolation: int, antialias: bool
 ) -> NDArray[Any] | None: ...
 def cv2_convert(
-    first: NDArray[Any], second: NDArray[Any] | None, kind: int, nearest: bool
-) -> tuple[NDArray[Any], NDArray[Any] | None]: ...
+    map1: Any, map2: Any, kind: int, dst1: Any, dst2: Any, nearest: bool
+) -> tuple[NDArray[Any], NDArray[Any] | None] | None: ...
 def cv2_pyramid(
     src: Any, dst: Any, size: Sequence[int] | None, border: int, enlarge: bool
 ) -> NDArray[Any] | None: ...
 def cv2_integral(src: Any, given: tuple[Any, ...], sum_depth: int, square_depth: int) -> Any: ...
+def cv2_undistort(
+    src: Any, matrix3: Any, lens: Any, dst: Any, new: Any, antialias: bool
+) -> NDArray[Any] | None: ...
 def cv2_undistortion(
     intrinsics: tuple[float, float, float, float],
     lens: list[float],
     inverse: list[float],
-    first: NDArray[Any],
-    second: NDArray[Any] | None,
-) -> None: ...
+    size: tuple[int, int],
+    kind: int,
+    map1: Any,
+    map2: Any,
+) -> tuple[NDArray[Any], NDArray[Any] | None] | None: ...
 
 _Planes = tuple[NDArray[np.float64], NDArray[np.float64]]
 _Rows = tuple[NDArray[np.int64], NDArray[np.float64]]

@@ -2,3 +2,4 @@
 //! are made of.
 
 pub mod cv2;
+pub mod torch;

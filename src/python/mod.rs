@@ -20,6 +20,7 @@ mod sat;
 mod sphere;
 mod texture;
 mod threads;
+mod torch;
 mod warp;
 
 /// Texture sampling and filtering on the CPU (the compiled part).
@@ -41,6 +42,7 @@ fn _multum(module: &Bound<'_, PyModule>) -> PyResult<()> {
     resample::register(module)?;
     texture::register(module)?;
     threads::register(module)?;
+    torch::register(module)?;
     warp::register(module)?;
     reference::register(module)?;
     Ok(())

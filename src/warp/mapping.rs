@@ -166,7 +166,7 @@ impl Mapping<'_> {
 
     /// Place and footprint of one output pixel; maps tell the `shape` only where it is asked for.
     #[inline(always)]
-    pub(super) fn query(&self, at: [usize; 2], size: [usize; 2], shape: bool) -> Query {
+    pub(crate) fn query(&self, at: [usize; 2], size: [usize; 2], shape: bool) -> Query {
         let [x, y] = at.map(|k| k as f64);
         match self {
             Self::Affine([[a, b, c], [d, e, f]]) => {

@@ -19,11 +19,13 @@ use crate::wrap::Wrap;
 pub mod band;
 pub mod lerp;
 mod mapping;
+mod minify;
 pub mod panorama;
 mod pixels;
 pub mod remap;
 
 pub use mapping::{Mapping, Maps};
+pub(crate) use minify::SEGMENT;
 use pixels::Pixels;
 use remap::{Edge, Grid, Interpolation, Job, Outside, Source, interpolate};
 

@@ -42,73 +42,17 @@ impl Map<'_> {
         }
     }
 
-    /// Whether neighbouring pixels of an output of this size are read more than a pixel apart anywhere: whether
-    /// the larger singular value of the difference quotient exceeds 1 by more than a thousandth, which is more
-    /// than the rounding of singles. Differences that are not finite do not count; nor do fixed-point maps'
-    /// fractions.
-    ///
-    /// # Errors
-    /// [`Error::Value`] when the map has another size.
-    pub fn minifies(&self, width: usize, height: usize) -> Result<bool> {
-        if !self.fits(width * height) {
-            return Err(Error::value("map", format!("{self:.0?}"), format!("{width} x {height} positions")));
+    /// Its lengths, for messages.
+    pub(super) fn described(&self) -> String {
+        match self {
+            Self::Single(x, y) => format!("{} columns and {} rows", x.len(), y.len()),
+            Self::Double(x, y) => format!("{} columns and {} rows", x.len(), y.len()),
+            Self::SinglePairs(p) => format!("{} numbers", p.len()),
+            Self::DoublePairs(p) => format!("{} numbers", p.len()),
+            Self::Fixed(p, codes) => format!("{} numbers and {:?} codes", p.len(), codes.map(<[u16]>::len)),
+            Self::Matrix(m) => format!("{m:?}"),
         }
-        Ok(match self {
-            Self::Single(x, y) => spreads(width, height, |i| [f64::from(x[i]), f64::from(y[i])]),
-            Self::Double(x, y) => spreads(width, height, |i| [x[i], y[i]]),
-            Self::SinglePairs(p) => {
-                spreads(width, height, |i| [f64::from(p[2 * i]), f64::from(p[2 * i + 1])])
-            }
-            Self::DoublePairs(p) => spreads(width, height, |i| [p[2 * i], p[2 * i + 1]]),
-            Self::Fixed(p, codes) => spreads(width, height, |i| {
-                let code = codes.map_or(0, |c| c[i]);
-                [
-                    f64::from(p[2 * i]) + f64::from(code & 31) / 32.0,
-                    f64::from(p[2 * i + 1]) + f64::from((code >> 5) & 31) / 32.0,
-                ]
-            }),
-            Self::Matrix(m) => {
-                let place = |i: usize| {
-                    let (x, y) = ((i % width) as f64, (i / width) as f64);
-                    let w = m[6] * x + m[7] * y + m[8];
-                    [(m[0] * x + m[1] * y + m[2]) / w, (m[3] * x + m[4] * y + m[5]) / w]
-                };
-                if m[6] == 0.0 && m[7] == 0.0 {
-                    let w = m[8];
-                    exceeds([m[0] / w, m[3] / w], [m[1] / w, m[4] / w])
-                } else {
-                    spreads(width, height, place)
-                }
-            }
-        })
     }
-}
-
-/// Whether the larger singular value of the matrix with these columns exceeds 1 by more than a thousandth.
-#[inline(always)]
-fn exceeds(a: [f64; 2], b: [f64; 2]) -> bool {
-    // sigma1 <= s exactly when s^2 - J^T J has no negative eigenvalue: neither trace nor determinant below 0.
-    const S2: f64 = 1.001 * 1.001;
-    let trace = a[0] * a[0] + a[1] * a[1] + b[0] * b[0] + b[1] * b[1];
-    let det = a[0] * b[1] - a[1] * b[0];
-    trace > 2.0 * S2 || S2 * S2 - S2 * trace + det * det < 0.0
-}
-
-#[inline(always)]
-fn spreads(width: usize, height: usize, at: impl Fn(usize) -> [f64; 2]) -> bool {
-    let apart = |p: [f64; 2], q: [f64; 2]| [q[0] - p[0], q[1] - p[1]];
-    (0..height).any(|row| {
-        // Without a row below, the step down is taken as none.
-        let below = if row + 1 < height { width } else { 0 };
-        let mut found = false;
-        for i in row * width..row * width + width.max(2) - 1 {
-            let here = at(i);
-            let right = if width > 1 { apart(here, at(i + 1)) } else { [0.0; 2] };
-            // No early exit: it would keep the loop from being done in vectors.
-            found |= exceeds(right, apart(here, at(i + below)));
-        }
-        found
-    })
 }
 
 /// Fills `out`, a packed picture of `width` pixels a row, by reading the job's source at `map`.
@@ -144,7 +88,7 @@ pub fn interpolate<T: Sample>(
     }
     let pixels = out.len() / job.channels();
     if !map.fits(pixels) {
-        return Err(Error::value("map", format!("{map:.0?}"), format!("{pixels} positions")));
+        return Err(Error::value("map", map.described(), format!("{pixels} positions")));
     }
     let grid = match (job.interpolation(), grid) {
         (Interpolation::Nearest, Grid::AccumulatedWhole) => grid,
@@ -152,6 +96,8 @@ pub fn interpolate<T: Sample>(
         _ => grid,
     };
     let isa = Isa::current();
+    let apron = if isa == Isa::Scalar { None } else { job.apron(pixels) };
+    let job = &apron.as_deref().map_or(*job, |apron| job.with_apron(apron));
     let rows = (BAND / width).max(1);
     let bands = out.chunks_mut(rows * row);
     if bands.len() == 1 {
@@ -222,7 +168,7 @@ fn band<T: Sample>(
             }
             Map::Fixed(p, codes) => {
                 let nearest = job.interpolation() == Interpolation::Nearest;
-                Points::Split(buffer.fixed(&p[pairs], codes.map(|c| &c[at]), nearest))
+                Points::Split(buffer.fixed(isa, &p[pairs], codes.map(|c| &c[at]), nearest))
             }
             Map::Matrix(_) => return Ok(()),
         };
@@ -272,32 +218,6 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn minification_is_seen() {
-        let identity = [1.0, 0.0, 0.3, 0.0, 1.0, 0.7, 0.0, 0.0, 1.0];
-        let (c, s) = (0.6, 0.8);
-        for (m, want) in [
-            (identity, false),
-            ([c, -s, 5.0, s, c, 1.0, 0.0, 0.0, 1.0], false),
-            ([1.01 * c, -s, 5.0, s, c, 1.0, 0.0, 0.0, 1.0], true),
-            ([1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], true),
-            ([0.9, 0.0, 0.0, 0.0, 0.9, 0.0, 1e-4, 0.0, 1.0], false),
-            ([0.9, 0.0, 0.0, 0.0, 0.9, 0.0, -0.01, 0.0, 1.0], true),
-        ] {
-            assert_eq!(Map::Matrix(&m).minifies(40, 30).unwrap(), want, "{m:?}");
-            let at = |i: usize, r: usize| {
-                let (x, y) = ((i % 40) as f64, (i / 40) as f64);
-                (m[r] * x + m[r + 1] * y + m[r + 2]) / (m[6] * x + m[7] * y + m[8])
-            };
-            let x: Vec<f32> = (0..1200).map(|i| at(i, 0) as f32).collect();
-            let y: Vec<f32> = (0..1200).map(|i| at(i, 3) as f32).collect();
-            assert_eq!(Map::Single(&x, &y).minifies(40, 30).unwrap(), want, "{m:?}");
-        }
-        assert!(!Map::Double(&[5.0], &[f64::NAN]).minifies(1, 1).unwrap());
-        assert!(!Map::Double(&[5.0, f64::NAN], &[1.0, 2.0]).minifies(2, 1).unwrap());
-        assert!(Map::Double(&[5.0, 7.0], &[1.0, 1.0]).minifies(1, 2).unwrap());
     }
 
     #[test]

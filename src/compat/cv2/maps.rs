@@ -1,51 +1,249 @@
-//! Maps: between floats and fixed point, and to polar coordinates and back.
+//! Maps in all the forms that `remap` takes: positions into them, and from one to another.
 
 use crate::error::{Error, Result};
+use crate::kernel::{Isa, compiled_for};
+use crate::par;
+use crate::warp::remap::Map;
 
-/// Places in 1/32 pixel.
+/// Steps of a fixed-point map in a pixel.
 const STEPS: f64 = 32.0;
 
-/// Writes a float map as whole pixels, pairs of `i16`, and codes `32 fy + fx` of fractions in 1/32 pixel, both
-/// rounded to nearest and saturated; without `codes` the nearest pixels. Positions that are not finite are as far
-/// left and above as there are pixels.
+/// Positions that are converted at a time.
+const CHUNK: usize = 256;
+
+/// Positions that a thread takes at a time.
+const BAND: usize = 1 << 15;
+
+/// Positions nearer than this are whole pixels of 16 bits.
+const NEAR: f64 = 32_767.0;
+
+/// A map to fill.
+#[derive(Debug)]
+pub enum Target<'a> {
+    /// Columns and rows.
+    Planes(&'a mut [f32], &'a mut [f32]),
+    /// Pairs.
+    Pairs(&'a mut [f32]),
+    /// Pairs of whole pixels, and fractions `32 * fy + fx` in 1/32 pixel; without these the nearest pixels.
+    Fixed(&'a mut [i16], Option<&'a mut [u16]>),
+}
+
+/// What becomes of whole pixels that 16 bits do not hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beyond {
+    /// The nearest that they hold.
+    Saturate,
+    /// Upper bits are lost.
+    Wrap,
+}
+
+/// A number that can be rounded to steps.
+pub trait Steps: Copy + Default + Send + Sync {
+    /// Whether all positions are near: then [`Steps::near`] is right for them.
+    fn all_near(positions: &[Self]) -> bool;
+    /// The nearest number of steps, ties to even, of a near position.
+    fn near(self, steps: f64) -> i32;
+    /// The same of any position; the least number for those that are not finite or, under [`Beyond::Wrap`], too large.
+    fn far(self, steps: f64, beyond: Beyond) -> i32;
+    /// As a single.
+    fn single(self) -> f32;
+}
+
+macro_rules! steps {
+    ($t:ty, $magic:literal) => {
+        impl Steps for $t {
+            #[inline(always)]
+            fn all_near(positions: &[Self]) -> bool {
+                // No early exit, for the sake of vectors; NaN is not below anything.
+                positions.iter().fold(true, |near, p| near & (p.abs() < NEAR as Self))
+            }
+            #[inline(always)]
+            fn near(self, steps: f64) -> i32 {
+                // The low bits of the sum with a number whose unit is 1.
+                const MAGIC: $t = $magic;
+                ((self * steps as Self + MAGIC).to_bits() as i32).wrapping_sub(MAGIC.to_bits() as i32)
+            }
+            #[inline(always)]
+            fn far(self, steps: f64, beyond: Beyond) -> i32 {
+                let x = (f64::from(self) * steps).round_ties_even();
+                let fits = (-2_147_483_648.0..2_147_483_648.0).contains(&x);
+                // `as` sends NaN to 0, and saturates.
+                if fits || (beyond == Beyond::Saturate && x.is_finite()) { x as i32 } else { i32::MIN }
+            }
+            #[inline(always)]
+            fn single(self) -> f32 {
+                self as f32
+            }
+        }
+    };
+}
+steps!(f32, 12_582_912.0);
+steps!(f64, 6_755_399_441_055_744.0);
+
+/// Writes positions as whole pixels and codes.
+#[inline(always)]
+fn to_fixed<A: Steps>([x, y]: [&[A]; 2], beyond: Beyond, whole: &mut [[i16; 2]], codes: Option<&mut [u16]>) {
+    let narrow = |x: i32| match beyond {
+        Beyond::Saturate => x.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16,
+        Beyond::Wrap => x as i16,
+    };
+    let code = |x: i32, y: i32| ((y & 31) << 5 | (x & 31)) as u16;
+    let places = whole.iter_mut().zip(x.iter().zip(y));
+    match (codes, A::all_near(x) && A::all_near(y)) {
+        (None, true) => places.for_each(|(pair, (x, y))| *pair = [x.near(1.0) as i16, y.near(1.0) as i16]),
+        (None, false) => {
+            places
+                .for_each(|(pair, (x, y))| *pair = [narrow(x.far(1.0, beyond)), narrow(y.far(1.0, beyond))]);
+        }
+        (Some(codes), true) => {
+            for ((pair, (x, y)), c) in places.zip(codes) {
+                let (x, y) = (x.near(STEPS), y.near(STEPS));
+                (*pair, *c) = ([(x >> 5) as i16, (y >> 5) as i16], code(x, y));
+            }
+        }
+        (Some(codes), false) => {
+            for ((pair, (x, y)), c) in places.zip(codes) {
+                let (x, y) = (x.far(STEPS, beyond), y.far(STEPS, beyond));
+                (*pair, *c) = ([narrow(x >> 5), narrow(y >> 5)], code(x, y));
+            }
+        }
+    }
+}
+
+impl<'a> Target<'a> {
+    /// Positions that it holds.
+    ///
+    /// # Errors
+    /// [`Error::Value`] where its parts do not fit together.
+    pub fn len(&self) -> Result<usize> {
+        let (one, other) = match self {
+            Self::Planes(x, y) => (x.len(), y.len()),
+            Self::Pairs(p) => (p.len() / 2, p.len().div_ceil(2)),
+            Self::Fixed(p, None) => (p.len() / 2, p.len().div_ceil(2)),
+            Self::Fixed(p, Some(codes)) => {
+                (codes.len(), if p.len() == 2 * codes.len() { codes.len() } else { 0 })
+            }
+        };
+        if one == other {
+            return Ok(one);
+        }
+        Err(Error::value("map", format!("parts for {one} and {other} positions"), "one place a pixel"))
+    }
+
+    /// Its parts of so many positions each, in order.
+    pub fn bands(self, size: usize) -> Vec<Target<'a>> {
+        match self {
+            Self::Planes(x, y) => {
+                x.chunks_mut(size).zip(y.chunks_mut(size)).map(|(x, y)| Target::Planes(x, y)).collect()
+            }
+            Self::Pairs(p) => p.chunks_mut(2 * size).map(Target::Pairs).collect(),
+            Self::Fixed(p, None) => p.chunks_mut(2 * size).map(|p| Target::Fixed(p, None)).collect(),
+            Self::Fixed(p, Some(codes)) => {
+                let parts = p.chunks_mut(2 * size).zip(codes.chunks_mut(size));
+                parts.map(|(p, codes)| Target::Fixed(p, Some(codes))).collect()
+            }
+        }
+    }
+
+    /// Writes positions from place `at` on.
+    #[inline(always)]
+    pub fn write<A: Steps>(&mut self, at: usize, x: &[A], y: &[A], beyond: Beyond) {
+        let range = at..at + x.len();
+        match self {
+            Self::Planes(px, py) => {
+                for (to, from) in [(&mut px[range.clone()], x), (&mut py[range], y)] {
+                    to.iter_mut().zip(from).for_each(|(to, from)| *to = from.single());
+                }
+            }
+            Self::Pairs(p) => {
+                let places = p.as_chunks_mut::<2>().0[range].iter_mut().zip(x.iter().zip(y));
+                places.for_each(|(pair, (x, y))| *pair = [x.single(), y.single()]);
+            }
+            Self::Fixed(p, codes) => {
+                let codes = codes.as_mut().map(|codes| &mut codes[range.clone()]);
+                to_fixed([x, y], beyond, &mut p.as_chunks_mut::<2>().0[range], codes);
+            }
+        }
+    }
+}
+
+/// Writes a map in another form. Positions are rounded to nearest and saturated where they become fixed-point numbers;
+/// those that are not finite are as far left and above as there are pixels.
 ///
 /// # Errors
-/// [`Error::Value`] for slices that do not fit.
+/// [`Error::Value`] for a matrix, or a target of another size; [`Error::Interrupted`].
 ///
 /// ```
-/// use multum::compat::cv2::maps::to_fixed;
+/// use multum::compat::cv2::maps::{Target, convert};
+/// use multum::warp::remap::Map;
 /// let (mut whole, mut codes) = ([0; 2], [0]);
-/// to_fixed(|_| [1.5, 2.25], &mut whole, Some(&mut codes))?;
+/// convert(&Map::Single(&[1.5], &[2.25]), Target::Fixed(&mut whole, Some(&mut codes)))?;
 /// assert_eq!((whole, codes), ([1, 2], [16 + 32 * 8]));
 /// # Ok::<(), multum::Error>(())
 /// ```
-pub fn to_fixed(at: impl Fn(usize) -> [f64; 2], whole: &mut [i16], codes: Option<&mut [u16]>) -> Result<()> {
-    let count = whole.len() / 2;
-    if codes.as_ref().is_some_and(|codes| codes.len() != count) || !whole.len().is_multiple_of(2) {
-        return Err(Error::value("dstmap2", "another size", format!("{count} codes")));
+pub fn convert(map: &Map<'_>, target: Target<'_>) -> Result<()> {
+    let count = target.len()?;
+    if !map.fits(count) || matches!(map, Map::Matrix(_)) {
+        return Err(Error::value("dstmap1", format!("{count} places"), "one for each position of map1"));
     }
-    // `as` sends NaN to 0; OpenCV's rounding sends it, and infinity, to the least integer.
-    let fixed = |x: f64| if x.is_finite() { x.round_ties_even() as i32 } else { i32::MIN };
-    let narrow = |x: i32| x.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16;
-    match codes {
-        None => {
-            for (i, pair) in whole.as_chunks_mut::<2>().0.iter_mut().enumerate() {
-                *pair = at(i).map(|x| narrow(fixed(x)));
-            }
+    let isa = Isa::current();
+    let work = |first: usize, mut band: Target<'_>| -> Result<()> {
+        let len = band.len()?;
+        for at in (0..len).step_by(CHUNK) {
+            let range = first + at..first + (at + CHUNK).min(len);
+            compiled_for(isa, || chunk(map, range, at, &mut band));
         }
-        Some(codes) => {
-            for ((i, pair), code) in whole.as_chunks_mut::<2>().0.iter_mut().enumerate().zip(codes) {
-                let [x, y] = at(i).map(|x| fixed(x * STEPS));
-                *pair = [narrow(x >> 5), narrow(y >> 5)];
-                *code = ((y & 31) << 5 | (x & 31)) as u16;
-            }
-        }
+        Ok(())
+    };
+    if count <= BAND {
+        return work(0, target);
     }
-    Ok(())
+    par::for_each(target.bands(BAND).into_iter(), |i, band| work(i * BAND, band))
+}
+
+/// Some positions of a map, to place `at` of a target.
+#[inline(always)]
+fn chunk(map: &Map<'_>, range: std::ops::Range<usize>, at: usize, target: &mut Target<'_>) {
+    let n = range.len().min(CHUNK);
+    let pairs = 2 * range.start..2 * range.end;
+    match *map {
+        Map::Single(x, y) => target.write(at, &x[range.clone()], &y[range], Beyond::Saturate),
+        Map::Double(x, y) => target.write(at, &x[range.clone()], &y[range], Beyond::Saturate),
+        Map::SinglePairs(p) => {
+            let (mut x, mut y) = ([0f32; CHUNK], [0f32; CHUNK]);
+            apart(&p[pairs], &mut x, &mut y);
+            target.write(at, &x[..n], &y[..n], Beyond::Saturate);
+        }
+        Map::DoublePairs(p) => {
+            let (mut x, mut y) = ([0f64; CHUNK], [0f64; CHUNK]);
+            apart(&p[pairs], &mut x, &mut y);
+            target.write(at, &x[..n], &y[..n], Beyond::Saturate);
+        }
+        Map::Fixed(p, codes) => {
+            let (mut x, mut y) = ([0f32; CHUNK], [0f32; CHUNK]);
+            let places = x.iter_mut().zip(&mut y).zip(p[pairs].as_chunks::<2>().0);
+            match codes {
+                None => places.for_each(|((x, y), pair)| [*x, *y] = from_fixed(*pair, 0)),
+                Some(codes) => places
+                    .zip(&codes[range])
+                    .for_each(|(((x, y), pair), &code)| [*x, *y] = from_fixed(*pair, code)),
+            }
+            target.write(at, &x[..n], &y[..n], Beyond::Saturate);
+        }
+        Map::Matrix(_) => {}
+    }
+}
+
+/// Takes pairs apart.
+#[inline(always)]
+fn apart<A: Copy>(pairs: &[A], x: &mut [A], y: &mut [A]) {
+    for ((x, y), pair) in x.iter_mut().zip(y).zip(pairs.as_chunks::<2>().0) {
+        [*x, *y] = *pair;
+    }
 }
 
 /// The position that a pair of whole pixels and a code stand for.
-#[inline]
+#[inline(always)]
 pub fn from_fixed(pair: [i16; 2], code: u16) -> [f32; 2] {
     [
         f32::from(pair[0]) + f32::from(code & 31) * (1.0 / 32.0),
@@ -53,145 +251,71 @@ pub fn from_fixed(pair: [i16; 2], code: u16) -> [f32; 2] {
     ]
 }
 
-/// A circle, seen with radius along x and angle along y.
-#[derive(Clone, Copy, Debug)]
-pub struct Polar {
-    /// Its centre, in pixels.
-    pub center: [f64; 2],
-    /// Its radius.
-    pub radius: f64,
-    /// Whether x is the logarithm of the radius and 1.
-    pub log: bool,
-}
-
-impl Polar {
-    /// Radius of one column, or of its logarithm.
-    fn step(&self, width: usize) -> f64 {
-        if self.log { self.radius.ln() / width as f64 } else { self.radius / width as f64 }
-    }
-
-    /// Where pixels of a polar picture of this size lie in the flat one. Angles run from x towards y.
-    ///
-    /// # Errors
-    /// [`Error::Value`] for slices that do not fit.
-    pub fn flat(&self, size: [usize; 2], x: &mut [f32], y: &mut [f32]) -> Result<()> {
-        let [width, height] = size;
-        check(size, x, y)?;
-        let step = self.step(width);
-        let radii: Vec<f64> = (0..width)
-            .map(|i| {
-                let rho = i as f64 * step;
-                f64::from(if self.log { (rho.exp() - 1.0) as f32 } else { rho as f32 })
-            })
-            .collect();
-        let turn = std::f64::consts::TAU / height as f64;
-        for (j, (x, y)) in x.chunks_exact_mut(width).zip(y.chunks_exact_mut(width)).enumerate() {
-            let (sin, cos) = (turn * j as f64).sin_cos();
-            for ((x, y), rho) in x.iter_mut().zip(y).zip(&radii) {
-                *x = (rho * cos + self.center[0]) as f32;
-                *y = (rho * sin + self.center[1]) as f32;
-            }
-        }
-        Ok(())
-    }
-
-    /// Where pixels of a flat picture of this size lie in the polar one, of size `from`, below its first row by
-    /// one. Angles are OpenCV's: an odd polynomial of degree 7 that is off by up to a hundredth of a degree.
-    ///
-    /// # Errors
-    /// [`Error::Value`] for slices that do not fit.
-    pub fn polar(&self, from: [usize; 2], size: [usize; 2], x: &mut [f32], y: &mut [f32]) -> Result<()> {
-        let width = size[0];
-        check(size, x, y)?;
-        let (step, turn) = (self.step(from[0]), std::f64::consts::TAU / from[1] as f64);
-        let center = self.center.map(|c| c as f32);
-        for (j, (x, y)) in x.chunks_exact_mut(width).zip(y.chunks_exact_mut(width)).enumerate() {
-            let dy = j as f32 - center[1];
-            for (i, (x, y)) in x.iter_mut().zip(y).enumerate() {
-                let dx = i as f32 - center[0];
-                let rho = (dx * dx + dy * dy).sqrt();
-                let rho = if self.log { (rho + 1.0).ln() } else { rho };
-                *x = (f64::from(rho) / step) as f32;
-                *y = (f64::from(angle(dx, dy)) / turn) as f32 + 1.0;
-            }
-        }
-        Ok(())
-    }
-}
-
-fn check([width, height]: [usize; 2], x: &[f32], y: &[f32]) -> Result<()> {
-    let len = width.checked_mul(height);
-    if width > 0 && len == Some(x.len()) && len == Some(y.len()) {
-        return Ok(());
-    }
-    let got = format!("{} and {} positions", x.len(), y.len());
-    Err(Error::value("dsize", got, format!("{width} x {height}")))
-}
-
-/// The angle of (x, y), from 0 to a whole turn, in radians.
-fn angle(x: f32, y: f32) -> f32 {
-    const DEGREES: f32 = (180.0 / std::f64::consts::PI) as f32;
-    const P: [f32; 4] =
-        [0.999_787_84 * DEGREES, -0.325_808_4 * DEGREES, 0.155_578_65 * DEGREES, -0.044_326_555 * DEGREES];
-    let (ax, ay) = (x.abs(), y.abs());
-    let tiny = f64::EPSILON as f32;
-    let c = ax.min(ay) / (ax.max(ay) + tiny);
-    let c2 = c * c;
-    let mut degrees = (((P[3] * c2 + P[2]) * c2 + P[1]) * c2 + P[0]) * c;
-    if ax < ay {
-        degrees = 90.0 - degrees;
-    }
-    if x < 0.0 {
-        degrees = 180.0 - degrees;
-    }
-    if y < 0.0 {
-        degrees = 360.0 - degrees;
-    }
-    degrees * (std::f64::consts::PI / 180.0) as f32
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn fixed_point_keeps_positions_to_a_sixty_fourth() {
-        let places =
-            [[0.0, 0.0], [1.49, -2.51], [-0.01, 300.3], [40_000.0, -1e300], [f64::NAN, f64::INFINITY]];
-        let (mut whole, mut codes) = ([0; 10], [0; 5]);
-        to_fixed(|i| places[i], &mut whole, Some(&mut codes)).unwrap();
-        for i in 0..3 {
-            let back = from_fixed([whole[2 * i], whole[2 * i + 1]], codes[i]);
-            assert!((0..2).all(|k| (f64::from(back[k]) - places[i][k]).abs() <= 1.0 / 64.0 + 1e-5));
-        }
-        assert_eq!(whole[6..], [32_767, -32_768, -32_768, -32_768]);
-        to_fixed(|i| places[i], &mut whole, None).unwrap();
-        assert_eq!(whole[..6], [0, 0, 1, -3, 0, 300]);
-        assert!(to_fixed(|i| places[i], &mut whole[..4], Some(&mut codes)).is_err());
+    /// The definition, position by position.
+    fn plainly(x: f64) -> (i16, u16) {
+        let steps = (x * 32.0).round_ties_even();
+        let steps = if steps.is_finite() { steps as i32 } else { i32::MIN };
+        ((steps >> 5).clamp(-32_768, 32_767) as i16, (steps & 31) as u16)
     }
 
     #[test]
-    fn polar_maps_undo_each_other() {
-        for log in [false, true] {
-            let polar = Polar { center: [20.0, 30.0], radius: 16.0, log };
-            let (mut x, mut y) = ([0.0; 48], [0.0; 48]);
-            polar.flat([8, 6], &mut x, &mut y).unwrap();
-            let (mut back_x, mut back_y) = (vec![0.0; 41 * 61], vec![0.0; 41 * 61]);
-            polar.polar([8, 6], [41, 61], &mut back_x, &mut back_y).unwrap();
-            // Angle 0: along x, where places of the linear map are whole.
-            for i in 1..8 {
-                assert_eq!(y[i], 30.0);
-                if !log {
-                    let at = 30 * 41 + x[i] as usize;
-                    assert!((back_x[at] - i as f32).abs() < 1e-5 && (back_y[at] - 1.0).abs() < 1e-5);
-                }
+    fn fixed_point_is_the_nearest_step_for_any_form_and_size() {
+        let strange =
+            [40_000.0, -1e300, f64::NAN, f64::INFINITY, 32_766.99, -32_767.5, 1.0 / 64.0, -3.0 / 64.0];
+        for n in [1usize, 5, 255, 256, 257, 70_000] {
+            let x: Vec<f64> =
+                (0..n).map(|i| (i as f64 * 0.37 - 20.0) * if i % 7 == 0 { -3.1 } else { 1.0 }).collect();
+            let mut y: Vec<f64> = x.iter().rev().map(|x| x * 0.71 + 0.01).collect();
+            if n > 256 {
+                y[200..208].copy_from_slice(&strange);
             }
-            assert!(polar.flat([8, 7], &mut x, &mut y).is_err());
+            let pairs: Vec<f64> = x.iter().zip(&y).flat_map(|(&x, &y)| [x, y]).collect();
+            let single = |v: &[f64]| v.iter().map(|&v| v as f32).collect::<Vec<_>>();
+            let (x32, y32, pairs32) = (single(&x), single(&y), single(&pairs));
+            for (map, exact) in [
+                (Map::Double(&x, &y), true),
+                (Map::DoublePairs(&pairs), true),
+                (Map::Single(&x32, &y32), false),
+                (Map::SinglePairs(&pairs32), false),
+            ] {
+                let (mut whole, mut codes) = (vec![0; 2 * n], vec![0; n]);
+                convert(&map, Target::Fixed(&mut whole, Some(&mut codes))).unwrap();
+                for i in 0..n {
+                    let at = |v: f64| plainly(if exact { v } else { f64::from(v as f32) });
+                    let ((px, fx), (py, fy)) = (at(x[i]), at(y[i]));
+                    assert_eq!(
+                        ([whole[2 * i], whole[2 * i + 1]], codes[i]),
+                        ([px, py], fx + 32 * fy),
+                        "{n} {i}"
+                    );
+                }
+                // And back, where the pixels are whole numbers of 16 bits.
+                let (mut back_x, mut back) = (vec![0.0; n], vec![0.0; 2 * n]);
+                let mut back_y = back_x.clone();
+                let fixed = Map::Fixed(&whole, Some(&codes));
+                convert(&fixed, Target::Planes(&mut back_x, &mut back_y)).unwrap();
+                convert(&fixed, Target::Pairs(&mut back)).unwrap();
+                for i in 0..n {
+                    assert_eq!([back_x[i], back_y[i]], [back[2 * i], back[2 * i + 1]]);
+                    assert!((f64::from(back_x[i]) - x[i]).abs() < 1.0 / 64.0 + 0.01);
+                }
+                convert(&map, Target::Fixed(&mut whole, None)).unwrap();
+                let nearest = |v: f64| {
+                    if v.is_finite() { v.round_ties_even().clamp(-32_768.0, 32_767.0) } else { -32_768.0 }
+                };
+                assert!((0..n).all(|i| f64::from(whole[2 * i + 1])
+                    == nearest(if exact { y[i] } else { f64::from(y[i] as f32) })));
+            }
         }
-        let worst = (0..3600).map(|i| f64::from(i).to_radians() / 10.0).map(|a| {
-            let got = f64::from(angle(a.cos() as f32, a.sin() as f32));
-            (got - a).abs().min(std::f64::consts::TAU - (got - a).abs())
-        });
-        assert!(worst.fold(0.0, f64::max) < 2e-4);
+        let mut whole = [0; 4];
+        assert!(
+            convert(&Map::Single(&[0.0; 2], &[0.0; 2]), Target::Fixed(&mut whole, Some(&mut [0]))).is_err()
+        );
+        assert!(convert(&Map::Single(&[0.0], &[0.0]), Target::Fixed(&mut whole, None)).is_err());
+        assert!(convert(&Map::Matrix(&[0.0; 9]), Target::Fixed(&mut whole, None)).is_err());
     }
 }

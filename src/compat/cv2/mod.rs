@@ -1,11 +1,15 @@
 //! OpenCV's own arithmetic, of its version 5: rounding, borders and sizes as there.
 
+mod antialias;
 pub mod area;
 pub mod integral;
 pub mod maps;
+pub mod patch;
+pub mod polar;
 pub mod pyramid;
 pub mod read;
 pub mod resize;
+pub mod separable;
 pub mod undistort;
 
 use crate::error::{Error, Result};

@@ -8,57 +8,69 @@
 //! | Lanczos | multiples of 1/32 pixel |
 
 use super::Rows;
+use super::antialias::{Plan, Seen};
 use crate::error::{Error, Result};
-use crate::image::View;
+use crate::image::{Element, Image, View, zeros};
 use crate::kernel::remap::Sample;
+use crate::num::Real as Number;
+use crate::texture::{Texture, TextureOptions};
 use crate::warp::remap::{Edge, Grid, Interpolation, Job, Map, Outside, Source, interpolate};
-use crate::warp::{Mapping, Maps, WarpOptions, warp_into};
 use crate::wrap::Wrap;
 use half::f16;
 
 /// An element that OpenCV's warps take.
-pub trait Pixel: Sample {
+pub trait Pixel: Sample<Acc: Number> {
     /// Whether linear interpolation is exact in 1, 3 and 4 channels.
     const LINEAR_IS_EXACT: bool;
-    /// The filtered warp, where the filters know the type.
-    fn filtered(
-        source: &Rows<'_, Self>,
-        mapping: &Mapping<'_>,
-        size: [usize; 2],
-        options: &WarpOptions,
-        out: &mut [Self],
-    ) -> Option<Result<()>>;
+    /// What 1 stands for in results of filters.
+    const FULL_SCALE: f64;
+    /// What filters take it for.
+    type Code: Element;
+    /// The picture as a texture.
+    ///
+    /// # Errors
+    /// [`Error::Value`] where options do not fit or memory is short.
+    fn texture<'a>(source: &Rows<'a, Self>, options: TextureOptions) -> Result<Texture<'a>>;
+    /// The element for what a filter gave.
+    fn of_code(code: Self::Code) -> Self;
 }
 
 macro_rules! pixel {
-    ($($t:ty, $exact:literal;)+) => {$(
+    ($($t:ty, $exact:literal, $full:expr;)+) => {$(
         impl Pixel for $t {
             const LINEAR_IS_EXACT: bool = $exact;
-            fn filtered(
-                source: &Rows<'_, Self>,
-                mapping: &Mapping<'_>,
-                size: [usize; 2],
-                options: &WarpOptions,
-                out: &mut [Self],
-            ) -> Option<Result<()>> {
+            const FULL_SCALE: f64 = $full;
+            type Code = Self;
+            fn texture<'a>(source: &Rows<'a, Self>, options: TextureOptions) -> Result<Texture<'a>> {
                 let view = View::new(source.data, source.width, source.height, source.channels, source.stride);
-                Some(view.and_then(|view| warp_into(view.into(), mapping, size[0], size[1], options, out)))
+                Texture::borrowed(view?.into(), options)
+            }
+            fn of_code(code: Self) -> Self {
+                code
             }
         }
     )+};
 }
-pixel! { u8, true; u16, true; f16, false; f32, true; f64, false; }
+pixel! { u8, true, 255.0; u16, true, 65_535.0; f16, false, 1.0; f32, true, 1.0; f64, false, 1.0; }
 
+/// The filters do not know the type: its numbers are filtered as singles.
 impl Pixel for i16 {
     const LINEAR_IS_EXACT: bool = false;
-    fn filtered(
-        _: &Rows<'_, Self>,
-        _: &Mapping<'_>,
-        _: [usize; 2],
-        _: &WarpOptions,
-        _: &mut [Self],
-    ) -> Option<Result<()>> {
-        None
+    const FULL_SCALE: f64 = 1.0;
+    type Code = f32;
+    fn texture<'a>(source: &Rows<'a, Self>, options: TextureOptions) -> Result<Texture<'a>> {
+        let row = source.width * source.channels;
+        let mut numbers = zeros::<f32>("src", row * source.height)?;
+        for (y, numbers) in numbers.chunks_exact_mut(row).enumerate() {
+            for (number, &element) in numbers.iter_mut().zip(source.row(y)) {
+                *number = f32::from(element);
+            }
+        }
+        let image = Image::new(source.width, source.height, source.channels, numbers)?;
+        Texture::new(image.view(), options)
+    }
+    fn of_code(code: f32) -> Self {
+        Self::put(code)
     }
 }
 
@@ -129,6 +141,10 @@ impl Manner {
         }
     }
 
+    fn seen<'a, T>(&self, source: &'a Rows<'a, T>, border: &'a [T]) -> Seen<'a, T> {
+        Seen { source, wrap: self.edge.map(wrap), border, interpolation: self.interpolation }
+    }
+
     /// Whether every pixel is the same with and without `antialias`, whatever the map.
     pub fn is_plain(&self) -> bool {
         !self.antialias || self.interpolation == Interpolation::Nearest
@@ -138,11 +154,8 @@ impl Manner {
 /// Fills `out`, packed pixels in rows of `width`, with the picture as it is seen at `map`. `border` is the colour
 /// outside, one element a channel.
 ///
-/// Answers `false`, with `out` as it was, where the map minifies and this needs what only a front end can
-/// do: another kind of element, or a blend of the filtered picture with another.
-///
 /// # Errors
-/// [`Error::Value`] for sizes that do not fit or a matrix that is not finite where it minifies.
+/// [`Error::Value`] for sizes that do not fit; [`Error::Interrupted`].
 ///
 /// ```
 /// use multum::compat::cv2::{Rows, read::{Manner, Route, read}};
@@ -150,7 +163,7 @@ impl Manner {
 /// let picture = Rows::new(&[10u8, 20, 30], 3, 1, 1, 3)?;
 /// let manner = Manner::new(1, 1, Route::Map, false)?;
 /// let mut out = [0; 2];
-/// assert!(read(&picture, &Map::Single(&[0.5, 9.0], &[0.0; 2]), &manner, &[0], 2, &mut out)?);
+/// read(&picture, &Map::Single(&[0.5, 9.0], &[0.0; 2]), &manner, &[0], 2, &mut out)?;
 /// assert_eq!(out, [15, 30]);
 /// # Ok::<(), multum::Error>(())
 /// ```
@@ -161,7 +174,7 @@ pub fn read<T: Pixel>(
     border: &[T],
     width: usize,
     out: &mut [T],
-) -> Result<bool> {
+) -> Result<()> {
     let channels = source.channels;
     if width == 0 || !out.len().is_multiple_of(width * channels) {
         return Err(Error::value(
@@ -171,22 +184,45 @@ pub fn read<T: Pixel>(
         ));
     }
     let height = out.len() / (width * channels);
-    if !manner.is_plain() && map.minifies(width, height)? {
-        let (Interpolation::Bilinear, Some(edge)) = (manner.interpolation, manner.edge) else {
-            return Ok(false);
-        };
-        let Some(mapping) = mapping(map) else { return Ok(false) };
-        let options = WarpOptions {
-            wrap: [wrap(edge); 2],
-            border: border.iter().map(|&b| crate::kernel::remap::Real::wide(b.get())).collect(),
-            ..WarpOptions::default()
-        };
-        // What the filters do where the map magnifies is this interpolation.
-        return match T::filtered(source, &mapping, [width, height], &options, out) {
-            None => Ok(false),
-            Some(done) => done.map(|()| true),
-        };
+    let plan = if manner.is_plain() { None } else { Plan::new(map, width, height)? };
+    let mut held = Vec::new();
+    if plan.is_some() && manner.edge.is_none() {
+        held = zeros("dst", out.len())?;
+        held.copy_from_slice(out);
     }
+    interpolated(source, map, manner, border, width, out)?;
+    match plan {
+        None => Ok(()),
+        Some(plan) => plan.filter(&manner.seen(source, border), &held, out),
+    }
+}
+
+/// Puts the means over what pixels cover at `map` into `out`, which is interpolated at positions near those, where the
+/// manner has a border that hides what was there before.
+pub(super) fn average<T: Pixel>(
+    source: &Rows<'_, T>,
+    map: &Map<'_>,
+    manner: &Manner,
+    border: &[T],
+    width: usize,
+    out: &mut [T],
+) -> Result<()> {
+    match Plan::new(map, width, out.len() / (width * source.channels))? {
+        None => Ok(()),
+        Some(plan) => plan.filter(&manner.seen(source, border), &[], out),
+    }
+}
+
+/// [`read`] without filters.
+fn interpolated<T: Pixel>(
+    source: &Rows<'_, T>,
+    map: &Map<'_>,
+    manner: &Manner,
+    border: &[T],
+    width: usize,
+    out: &mut [T],
+) -> Result<()> {
+    let channels = source.channels;
     // Fixed-point maps are read by the older code.
     let exact = T::LINEAR_IS_EXACT && matches!(channels, 1 | 3 | 4) && !matches!(map, Map::Fixed(..));
     let grid = manner.grid(exact);
@@ -199,8 +235,7 @@ pub fn read<T: Pixel>(
     let picture = Source::new(source.data, source.width, source.height, channels, source.stride)?;
     let edge = manner.edge.unwrap_or(Edge::Border);
     let job = Job::new(picture, manner.interpolation, [edge; 2], border, outside)?;
-    interpolate(&job, map, grid, width, out)?;
-    Ok(true)
+    interpolate(&job, map, grid, width, out)
 }
 
 fn wrap(edge: Edge) -> Wrap {
@@ -212,19 +247,6 @@ fn wrap(edge: Edge) -> Wrap {
         Edge::MirrorOnce => Wrap::MirrorOnce,
         Edge::Mirror101 => Wrap::Mirror101,
     }
-}
-
-/// The map with its derivatives; none for fixed-point maps.
-fn mapping<'a>(map: &Map<'a>) -> Option<Mapping<'a>> {
-    let period = [None; 2];
-    Some(match *map {
-        Map::Single(x, y) => Mapping::Single(Maps { x, y, step: 1, period }),
-        Map::Double(x, y) => Mapping::Double(Maps { x, y, step: 1, period }),
-        Map::SinglePairs(xy) => Mapping::Single(Maps::pairs(xy, period)),
-        Map::DoublePairs(xy) => Mapping::Double(Maps::pairs(xy, period)),
-        Map::Matrix(&[a, b, c, d, e, f, g, h, i]) => Mapping::from_matrix([[a, b, c], [d, e, f], [g, h, i]]),
-        Map::Fixed(..) => return None,
-    })
 }
 
 /// The inverse of an affine matrix (two rows of three); a singular one gives zeros, as in OpenCV.
@@ -272,18 +294,72 @@ mod tests {
         assert_eq!(projective_inverse([0.0; 9]), [0.0; 9]);
     }
 
+    /// A chirp of waves, seen by a map that magnifies on the left and minifies on the right.
+    fn bent(width: usize, height: usize) -> (Vec<f32>, Vec<f32>) {
+        let x = |i: usize| 0.5 * i as f32 + 0.01 * (i * i) as f32;
+        (0..width * height).map(|i| (x(i % width), (i / width) as f32)).unzip()
+    }
+
     #[test]
-    fn what_needs_a_front_end_is_left_alone() {
-        let data = [0i16; 64];
-        let picture = Rows::new(&data, 8, 8, 1, 8).unwrap();
-        let third = [3.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 1.0];
-        let mut out = [7; 4];
-        for (interpolation, border) in [(1, 1), (2, 1), (1, 5)] {
-            let manner = Manner::new(interpolation, border, Route::Affine, true).unwrap();
-            assert!(!read(&picture, &Map::Matrix(&third), &manner, &[0], 2, &mut out).unwrap());
-            assert_eq!(out, [7; 4]);
+    fn only_pixels_that_minify_are_filtered_whatever_the_kind_and_the_border() {
+        let (w, h) = (512, 16);
+        let data: Vec<i16> = (0..w * h).map(|i| (i * 7919 % 2003) as i16).collect();
+        let doubles: Vec<f64> = data.iter().map(|&v| f64::from(v)).collect();
+        let (x, y) = bent(200, h);
+        let map = Map::Single(&x, &y);
+        for (interpolation, border) in [(1, 1), (2, 1), (4, 0), (1, 5), (2, 5)] {
+            let run = |antialias| {
+                let manner = Manner::new(interpolation, border, Route::Map, antialias).unwrap();
+                let (mut short, mut long) = (vec![77i16; 200 * h], vec![77.0; 200 * h]);
+                let source = Rows::new(&data, w, h, 1, w).unwrap();
+                read(&source, &map, &manner, &[5], 200, &mut short).unwrap();
+                let source = Rows::new(&doubles, w, h, 1, w).unwrap();
+                read(&source, &map, &manner, &[5.0], 200, &mut long).unwrap();
+                (short, long)
+            };
+            let ((plain, plain_long), (mean, mean_long)) = (run(false), run(true));
+            for (i, column) in (0..plain.len()).map(|i| (i, i % 200)) {
+                // dx is 0.5 + 0.02 i.
+                if column < 24 {
+                    assert_eq!((mean[i], mean_long[i]), (plain[i], plain_long[i]), "{column}");
+                }
+                // Types agree, where the interpolation rounds positions alike for them.
+                assert!((f64::from(mean[i]) - mean_long[i]).abs() < 1.5, "{interpolation} {border} {column}");
+            }
+            let changed = (40..200).filter(|&i| mean[5 * 200 + i] != plain[5 * 200 + i]).count();
+            assert!(changed > 140, "{interpolation} {border}: {changed}");
+            // Means of noise: its variance is smaller where more is covered.
+            let spread = |v: &[f64]| {
+                let part: Vec<f64> = (0..h).flat_map(|y| v[y * 200 + 150..y * 200 + 195].to_vec()).collect();
+                let mean = part.iter().sum::<f64>() / part.len() as f64;
+                part.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / part.len() as f64
+            };
+            assert!(spread(&mean_long) < 0.6 * spread(&plain_long), "{interpolation} {border}");
         }
         assert!(Manner::new(5, 0, Route::Map, true).is_err());
         assert!(Manner::new(1, 6, Route::Map, true).is_err());
+    }
+
+    #[test]
+    fn nothing_jumps_where_a_scale_passes_from_magnifying_to_minifying() {
+        let (w, h) = (64, 8);
+        let data: Vec<f64> = (0..w * h).map(|i| (i * 7919 % 997) as f64).collect();
+        let source = Rows::new(&data, w, h, 1, w).unwrap();
+        for interpolation in [1, 2, 4] {
+            let manner = Manner::new(interpolation, 1, Route::Exact, true).unwrap();
+            let at = |scale: f64| {
+                // About the middle, which is read at the same place for every scale.
+                let m = [scale, 0.0, 32.3 - 16.0 * scale, 0.0, 1.0, 3.4, 0.0, 0.0, 1.0];
+                let mut out = vec![0.0; 33];
+                read(&source, &Map::Matrix(&m), &manner, &[0.0], 33, &mut out).unwrap();
+                out[16]
+            };
+            let values: Vec<f64> = (0..=800).map(|i| at(0.9 + 0.001 * f64::from(i))).collect();
+            // The share of the mean rises by at most 1.5 / 0.25 of a step, and the mean itself with its width.
+            let most = values.windows(2).map(|v| (v[1] - v[0]).abs()).fold(0.0, f64::max);
+            assert!(most < 997.0 * 0.001 * (6.0 + 1.0), "{interpolation}: {most}");
+            assert_eq!(values[0], values[90]);
+            assert!((values[800] - values[0]).abs() > 10.0);
+        }
     }
 }

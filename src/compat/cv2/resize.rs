@@ -3,10 +3,12 @@
 use super::Rows;
 use super::area::area;
 use super::pyramid::Element;
-use super::read::{Manner, Pixel, Route, read};
+use super::read::Pixel;
+use super::separable::{Axis, Kernel, stretch};
 use crate::error::{Error, Result};
+use crate::filter::mean_share;
+use crate::kernel::remap::Real;
 use crate::par;
-use crate::warp::remap::Map;
 
 /// Elements of output that a thread takes at a time, about.
 const BAND: usize = 1 << 16;
@@ -63,12 +65,6 @@ impl Scaling {
             1 => sx == 2.0 && sy == 2.0,
             _ => false,
         }
-    }
-
-    /// The matrix that lays pixel edges on pixel edges.
-    fn matrix(&self) -> [f64; 9] {
-        let [sx, sy] = self.scale;
-        [sx, 0.0, 0.5 * sx - 0.5, 0.0, sy, 0.5 * sy - 0.5, 0.0, 0.0, 1.0]
     }
 }
 
@@ -148,50 +144,66 @@ pub fn pick<T: Copy + Send + Sync>(
     })
 }
 
-/// Positions along an axis where `INTER_AREA` enlarges: each pixel keeps its colour but near its edges.
-fn enlarged(n: usize, m: usize, factor: f64) -> Vec<f64> {
+/// Positions along an axis of `n` pixels where `INTER_AREA` enlarges: each pixel keeps its colour but near its edges.
+fn enlarged(n: usize, factor: f64) -> impl Fn(usize) -> f64 {
     let scale = 1.0 / factor;
-    (0..m)
-        .map(|i| {
-            let whole = (i as f64 * scale).floor();
-            // A single, as there: what is whole but for a last bit counts as whole.
-            let rest = ((i + 1) as f64 - (whole + 1.0) * factor) as f32;
-            let rest = if rest <= 0.0 { 0.0 } else { rest - rest.floor() };
-            (whole + f64::from(rest)).clamp(0.0, (n - 1) as f64)
-        })
-        .collect()
+    move |i| {
+        let whole = (i as f64 * scale).floor();
+        // A single, as there: what is whole but for a last bit counts as whole.
+        let rest = ((i + 1) as f64 - (whole + 1.0) * factor) as f32;
+        let rest = if rest <= 0.0 { 0.0 } else { rest - rest.floor() };
+        (whole + f64::from(rest)).clamp(0.0, (n - 1) as f64)
+    }
 }
 
-/// Fills `out` with the picture in another size, by any interpolation but the two nearest ones. Answers as
-/// [`read`] does.
+/// Fills `out` with the picture in another size, by any interpolation but the two nearest ones. With `antialias`,
+/// pixels that stand for more than one of the source along either axis are the mean over what they cover, into which the
+/// interpolation goes over by [`mean_share`].
 ///
 /// # Errors
-/// [`Error::Value`] for an unknown interpolation or an `out` of another size.
+/// [`Error::Value`] for an unknown interpolation or an `out` of another size; [`Error::Interrupted`].
 pub fn resize<T: Pixel + Element>(
     source: &Rows<'_, T>,
     to: &Scaling,
     interpolation: i32,
     antialias: bool,
     out: &mut [T],
-) -> Result<bool> {
+) -> Result<()> {
     if to.averages(interpolation) {
-        return area(source, to.size, to.scale, out).map(|()| true);
+        return area(source, to.size, to.scale, out);
     }
-    let border = vec![T::default(); source.channels];
-    const REPLICATE: i32 = 1;
-    if interpolation == 3 {
-        let manner = Manner::new(1, REPLICATE, Route::Exact, false)?;
-        let [width, height] = to.size;
-        let columns = enlarged(source.width, width, to.factor[0]);
-        let rows = enlarged(source.height, height, to.factor[1]);
-        let x: Vec<f64> = rows.iter().flat_map(|_| columns.iter().copied()).collect();
-        let y: Vec<f64> = rows.iter().flat_map(|&y| std::iter::repeat_n(y, width)).collect();
-        return read(source, &Map::Double(&x, &y), &manner, &border, width, out);
+    let kernel = match interpolation {
+        // The exact linear interpolation is the linear one here.
+        1 | 3 | 5 => Kernel::Linear,
+        2 => Kernel::Cubic(-0.75),
+        4 => Kernel::Lanczos4,
+        _ => {
+            let expected =
+                "INTER_NEAREST, _LINEAR, _CUBIC, _AREA, _LANCZOS4, _LINEAR_EXACT or _NEAREST_EXACT";
+            return Err(Error::value("interpolation", interpolation, expected));
+        }
+    };
+    let from = [source.width, source.height];
+    let axes = |kernel| -> Result<[Axis<T::Acc>; 2]> {
+        let axis = |k: usize| {
+            if kernel == Kernel::Linear && interpolation == 3 {
+                let at = enlarged(from[k], to.factor[k]);
+                return Axis::new(kernel, from[k], to.size[k], 1.0, at);
+            }
+            Axis::scaled(kernel, from[k], to.size[k], to.scale[k])
+        };
+        Ok([axis(0)?, axis(1)?])
+    };
+    let share = if antialias { mean_share(to.scale[0].max(to.scale[1])) } else { 0.0 };
+    if share == 1.0 {
+        return stretch(source, &axes(Kernel::Mean)?, None, out);
     }
-    // The exact linear interpolation is the linear one here.
-    let kind = if interpolation == 5 { 1 } else { interpolation };
-    let manner = Manner::new(kind, REPLICATE, Route::Exact, antialias)?;
-    read(source, &Map::Matrix(&to.matrix()), &manner, &border, to.size[0], out)
+    let plain = axes(kernel)?;
+    if share == 0.0 {
+        return stretch(source, &plain, None, out);
+    }
+    let mean = axes(Kernel::Mean)?;
+    stretch(source, &plain, Some((&mean, Real::of(share))), out)
 }
 
 #[cfg(test)]
@@ -232,7 +244,7 @@ mod tests {
         let picture = Rows::new(&[0.0f32, 10.0], 2, 1, 1, 2).unwrap();
         let to = Scaling::new([2, 1], Some([5, 1]), [0.0; 2]).unwrap();
         let mut out = [0.0; 5];
-        assert!(resize(&picture, &to, 3, true, &mut out).unwrap());
+        resize(&picture, &to, 3, true, &mut out).unwrap();
         assert!((out[2] - 5.0).abs() < 1e-5 && out[1] == 0.0 && out[3] == 10.0, "{out:?}");
     }
 }

@@ -13,11 +13,23 @@
 //! Sources: Brown, Decentering distortion of lenses, 1966; Kannala and Brandt, A generic camera model, 2006;
 //! the documentation of OpenCV's `calib3d`, whose names these are. Everything is computed in doubles.
 
+use super::Rows;
+use super::maps::{Beyond, Target};
+use super::read::{Manner, Pixel, Route, average, read};
 use crate::error::{Error, Result};
+use crate::image::zeros;
+use crate::kernel::{Isa, compiled_for};
 use crate::par;
+use crate::warp::remap::Map;
 
 /// Output pixels that a thread takes at a time, about.
 const BAND: usize = 1 << 14;
+
+/// Places that are computed at a time.
+const CHUNK: usize = 256;
+
+/// No tilt.
+const UPRIGHT: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
 /// How a lens moves points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,22 +53,11 @@ pub struct Camera {
     pub inverse: [f64; 9],
 }
 
-/// Positions to fill, in the forms that `remap` takes.
-#[derive(Debug)]
-pub enum Target<'a> {
-    /// Columns and rows.
-    Planes(&'a mut [f32], &'a mut [f32]),
-    /// Pairs.
-    Pairs(&'a mut [f32]),
-    /// Pairs of whole pixels, and fractions `32 * fy + fx` in 1/32 pixel.
-    Fixed(&'a mut [i16], &'a mut [u16]),
-}
-
 /// The matrix of a sensor turned by `x` and then `y` radians about its axes: rotation, then projection back onto
 /// the plane of the lens.
 pub fn tilt(x: f64, y: f64) -> [f64; 9] {
     if x == 0.0 && y == 0.0 {
-        return [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+        return UPRIGHT;
     }
     let ((sx, cx), (sy, cy)) = (x.sin_cos(), y.sin_cos());
     let r = [[cy, sy * sx, -sy * cx], [0.0, cx, sx], [sy, -cy * sx, cy * cx]];
@@ -67,8 +68,9 @@ pub fn tilt(x: f64, y: f64) -> [f64; 9] {
 }
 
 impl Lens {
+    /// Where a point of the plane of the lens is seen.
     #[inline(always)]
-    fn bend(&self, x: f64, y: f64) -> (f64, f64) {
+    fn bend(&self, x: f64, y: f64, tilted: bool) -> (f64, f64) {
         match self {
             Self::Standard([k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4], t) => {
                 let (x2, y2, xy2) = (x * x, y * y, 2.0 * x * y);
@@ -76,6 +78,9 @@ impl Lens {
                 let k = (1.0 + ((k3 * r2 + k2) * r2 + k1) * r2) / (1.0 + ((k6 * r2 + k5) * r2 + k4) * r2);
                 let u = x * k + p1 * xy2 + p2 * (r2 + 2.0 * x2) + s1 * r2 + s2 * r2 * r2;
                 let v = y * k + p1 * (r2 + 2.0 * y2) + p2 * xy2 + s3 * r2 + s4 * r2 * r2;
+                if !tilted {
+                    return (u, v);
+                }
                 let w = t[6] * u + t[7] * v + t[8];
                 let w = if w == 0.0 { 1.0 } else { 1.0 / w };
                 (w * (t[0] * u + t[1] * v + t[2]), w * (t[3] * u + t[4] * v + t[5]))
@@ -93,75 +98,104 @@ impl Lens {
 }
 
 impl Camera {
+    /// Places of the pixels of a row from `first` on.
     #[inline(always)]
-    fn place(&self, column: usize, row: usize) -> (f64, f64) {
-        let (j, i, m) = (column as f64, row as f64, &self.inverse);
-        let w = m[6] * j + m[7] * i + m[8];
-        let (a, b) = (m[0] * j + m[1] * i + m[2], m[3] * j + m[4] * i + m[5]);
-        if matches!(self.lens, Lens::Fisheye(_)) && w <= 0.0 {
-            // Behind the camera.
-            let side = |v: f64| if v > 0.0 { f64::NEG_INFINITY } else { f64::INFINITY };
-            return (side(a), side(b));
+    fn places(&self, row: usize, first: usize, xs: &mut [f64], ys: &mut [f64]) {
+        let m = &self.inverse;
+        let y = row as f64;
+        let [a0, b0, w0] = [0, 3, 6].map(|k| m[k + 1] * y + m[k + 2]);
+        let (tilted, fisheye) = match self.lens {
+            Lens::Standard(_, t) => (t != UPRIGHT, false),
+            Lens::Fisheye(_) => (false, true),
+        };
+        for (i, (px, py)) in xs.iter_mut().zip(ys).enumerate() {
+            // Whole numbers below 2^32 become doubles in one step.
+            let x = f64::from((first + i) as u32);
+            let (a, b, w) = (m[0] * x + a0, m[3] * x + b0, m[6] * x + w0);
+            let (bx, by) = self.lens.bend(a / w, b / w, tilted);
+            (*px, *py) = (self.focal[0] * bx + self.center[0], self.focal[1] * by + self.center[1]);
+            if fisheye && w <= 0.0 {
+                // Behind the camera.
+                let side = |v: f64| if v > 0.0 { f64::NEG_INFINITY } else { f64::INFINITY };
+                (*px, *py) = (side(a), side(b));
+            }
         }
-        let (x, y) = (a / w, b / w);
-        let (x, y) = self.lens.bend(x, y);
-        (self.focal[0] * x + self.center[0], self.focal[1] * y + self.center[1])
     }
 
     /// Fills a map of `width` pixels a row.
     ///
     /// # Errors
-    /// [`Error::Value`] for slices whose lengths do not fit; [`Error::Interrupted`].
+    /// [`Error::Value`] for a target whose parts do not fit; [`Error::Interrupted`].
     pub fn fill(&self, width: usize, target: Target<'_>) -> Result<()> {
-        let uneven = || Error::value("map", "arrays of different sizes", "one place an output pixel");
-        let rows = (BAND / width.max(1)).max(1);
-        let at = |band: usize, i: usize| self.place(i % width, band * rows + i / width);
-        match target {
-            Target::Planes(x, y) => {
-                if x.len() != y.len() {
-                    return Err(uneven());
-                }
-                par::for_each(x.chunks_mut(rows * width).zip(y.chunks_mut(rows * width)), |band, (x, y)| {
-                    for (i, (x, y)) in x.iter_mut().zip(y).enumerate() {
-                        let (u, v) = at(band, i);
-                        (*x, *y) = (u as f32, v as f32);
-                    }
-                    Ok(())
-                })
-            }
-            Target::Pairs(pairs) => par::for_each(pairs.chunks_mut(2 * rows * width), |band, pairs| {
-                for (i, pair) in pairs.chunks_exact_mut(2).enumerate() {
-                    let (u, v) = at(band, i);
-                    pair.copy_from_slice(&[u as f32, v as f32]);
-                }
-                Ok(())
-            }),
-            Target::Fixed(pairs, codes) => {
-                if pairs.len() != 2 * codes.len() {
-                    return Err(uneven());
-                }
-                let tiles = pairs.chunks_mut(2 * rows * width).zip(codes.chunks_mut(rows * width));
-                par::for_each(tiles, |band, (pairs, codes)| {
-                    for (i, (pair, code)) in pairs.chunks_exact_mut(2).zip(codes).enumerate() {
-                        let (u, v) = at(band, i);
-                        let (u, v) = (thirtyseconds(u), thirtyseconds(v));
-                        // As there, whole pixels beyond 16 bits lose their upper bits.
-                        pair.copy_from_slice(&[(u >> 5) as i16, (v >> 5) as i16]);
-                        *code = ((v & 31) * 32 + (u & 31)) as u16;
-                    }
-                    Ok(())
-                })
+        let len = target.len()?;
+        if len == 0 || width == 0 || !len.is_multiple_of(width) {
+            return Err(Error::value("map", format!("{len} places"), format!("rows of {width}")));
+        }
+        let isa = Isa::current();
+        let rows = (BAND / width).max(1);
+        if len <= rows * width {
+            self.rows(isa, 0, width, target);
+            return Ok(());
+        }
+        par::for_each(target.bands(rows * width).into_iter(), |i, band| {
+            self.rows(isa, i * rows, width, band);
+            Ok(())
+        })
+    }
+
+    /// Rows of a map from `row` on.
+    fn rows(&self, isa: Isa, row: usize, width: usize, mut target: Target<'_>) {
+        let (mut xs, mut ys) = ([0.0; CHUNK], [0.0; CHUNK]);
+        let rows = target.len().unwrap_or(0) / width;
+        for y in 0..rows {
+            for first in (0..width).step_by(CHUNK) {
+                let n = (width - first).min(CHUNK);
+                let (xs, ys) = (&mut xs[..n], &mut ys[..n]);
+                compiled_for(isa, || {
+                    self.places(row + y, first, xs, ys);
+                    target.write(y * width + first, xs, ys, Beyond::Wrap);
+                });
             }
         }
     }
-}
 
-/// The nearest number of steps of 1/32; NaN and what is too large give the least number there is, as the
-/// processor's own conversion does.
-#[inline(always)]
-pub fn thirtyseconds(v: f64) -> i32 {
-    let steps = (v * 32.0).round_ties_even();
-    if (-2_147_483_648.0..2_147_483_648.0).contains(&steps) { steps as i32 } else { i32::MIN }
+    /// Fills `out`, a picture of the source's size, with what the camera sees: linear between pixels at positions rounded
+    /// to 1/32, as `initUndistortRectifyMap` and `remap` do, row by row, so that no map is kept. Black lies outside.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for an `out` of another size; [`Error::Interrupted`].
+    pub fn undistort<T: Pixel>(&self, source: &Rows<'_, T>, antialias: bool, out: &mut [T]) -> Result<()> {
+        let (width, channels) = (source.width, source.channels);
+        let row = width * channels;
+        if out.len() != row * source.height {
+            let expected = format!("{width} x {} x {channels}", source.height);
+            return Err(Error::value("dst", format!("{} elements", out.len()), expected));
+        }
+        let isa = Isa::current();
+        let black = vec![T::default(); channels];
+        const CONSTANT: i32 = 0;
+        let manner = Manner::new(1, CONSTANT, Route::Map, false)?;
+        let rows = (BAND / width).max(1);
+        let work = |i: usize, out: &mut [T]| {
+            let pixels = out.len() / channels;
+            let (mut pairs, mut codes) = (vec![0; 2 * pixels], vec![0; pixels]);
+            self.rows(isa, i * rows, width, Target::Fixed(&mut pairs, Some(&mut codes)));
+            read(source, &Map::Fixed(&pairs, Some(&codes)), &manner, &black, width, out)
+        };
+        if out.len() <= rows * row {
+            work(0, out)?;
+        } else {
+            par::for_each(out.chunks_mut(rows * row), work)?;
+        }
+        if !antialias {
+            return Ok(());
+        }
+        // Footprints are those of the positions before they are rounded.
+        let pixels = width * source.height;
+        let (mut x, mut y) = (zeros::<f32>("src", pixels)?, zeros::<f32>("src", pixels)?);
+        self.fill(width, Target::Planes(&mut x, &mut y))?;
+        average(source, &Map::Single(&x, &y), &Manner { antialias, ..manner }, &black, width, out)
+    }
 }
 
 #[cfg(test)]
@@ -177,14 +211,40 @@ mod tests {
         camera.fill(200, Target::Planes(&mut x, &mut y)).unwrap();
         let mut pairs = vec![0; 200 * 150 * 2];
         let mut codes = vec![0; 200 * 150];
-        camera.fill(200, Target::Fixed(&mut pairs, &mut codes)).unwrap();
+        camera.fill(200, Target::Fixed(&mut pairs, Some(&mut codes))).unwrap();
         for i in 0..x.len() {
             let (j, k) = ((i % 200) as f32, (i / 200) as f32);
             assert!((x[i] - j).abs() < 1e-4 && (y[i] - k).abs() < 1e-4);
             assert_eq!((f32::from(pairs[2 * i]), f32::from(pairs[2 * i + 1]), codes[i]), (j, k, 0));
         }
         assert!(camera.fill(200, Target::Planes(&mut x, &mut y[1..])).is_err());
-        assert!(camera.fill(200, Target::Fixed(&mut pairs, &mut codes[1..])).is_err());
+        assert!(camera.fill(200, Target::Fixed(&mut pairs, Some(&mut codes[1..]))).is_err());
+    }
+
+    #[test]
+    fn pictures_are_read_at_the_places_of_the_map_on_every_instruction_set_and_thread_count() {
+        let (w, h) = (150, 130);
+        let data: Vec<u8> = (0..w * h * 3).map(|i| (i * 7919 % 251) as u8).collect();
+        let source = Rows::new(&data, w, h, 3, w * 3).unwrap();
+        let numbers = [-0.2, 0.05, 0.01, -0.01, 0.02, 0.01, 0.0, 0.0, 0.001, 0.0, 0.0, 0.002];
+        let inverse = [0.01, 0.001, -0.8, 0.0, 0.012, -0.7, 0.0, 0.0, 1.0];
+        for lens in [Lens::Standard(numbers, tilt(0.1, 0.05)), Lens::Fisheye([0.1, 0.02, 0.0, 0.0])] {
+            let camera = Camera { focal: [90.0, 95.0], center: [70.0, 66.0], lens, inverse };
+            let (mut pairs, mut codes) = (vec![0; 2 * w * h], vec![0; w * h]);
+            camera.fill(w, Target::Fixed(&mut pairs, Some(&mut codes))).unwrap();
+            let manner = Manner::new(1, 0, Route::Map, false).unwrap();
+            let mut want = vec![0; data.len()];
+            read(&source, &Map::Fixed(&pairs, Some(&codes)), &manner, &[0; 3], w, &mut want).unwrap();
+            for isa in Isa::available() {
+                for threads in [1, 3] {
+                    let mut out = vec![9; data.len()];
+                    let run = || crate::kernel::with_isa(isa, || camera.undistort(&source, false, &mut out));
+                    par::with_threads(Some(threads), run).unwrap().unwrap();
+                    assert!(out == want, "{isa:?}");
+                }
+            }
+            assert!(camera.undistort(&source, true, &mut want[3..]).is_err());
+        }
     }
 
     #[test]
@@ -193,7 +253,5 @@ mod tests {
         // The optical axis meets the tilted sensor at its origin.
         assert!(t[2].abs() < 1e-15 && t[5].abs() < 1e-15 && t[8] > 0.0);
         assert_eq!(tilt(0.0, 0.0), [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
-        assert_eq!(thirtyseconds(f64::NAN), i32::MIN);
-        assert_eq!(thirtyseconds(-1.5), -48);
     }
 }

@@ -26,6 +26,14 @@ use within::Found;
 /// Length of the footprint's major axis, in texels, from which the mean alone is shown.
 const FULL: f64 = 1.25;
 
+/// The share of the mean where the footprint's major axis has `sigma1` texels; the rest is interpolation.
+pub fn mean_share(sigma1: f64) -> f64 {
+    // NaN: the mean alone.
+    let x = if sigma1 < FULL { (sigma1 - 1.0) / (FULL - 1.0) } else { 1.0 };
+    let x = x.max(0.0);
+    x * x * (3.0 - 2.0 * x)
+}
+
 /// The filter at one place; `ease` times the usual error will do.
 #[inline(never)]
 pub(crate) fn auto<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, query: &Query, ease: f64) -> [T::Real; 4] {
@@ -34,11 +42,10 @@ pub(crate) fn auto<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, query: &Query, 
         return bilinear(r, 0, query.s, query.t);
     }
     let mean = mean(r, query, ease);
-    if sigma1.is_nan() || sigma1 >= FULL {
+    let share = mean_share(sigma1);
+    if share == 1.0 {
         return mean;
     }
-    let x = (sigma1 - 1.0) / (FULL - 1.0);
-    let share = x * x * (3.0 - 2.0 * x);
     lerp4(bilinear(r, 0, query.s, query.t), mean, T::Real::from_f64(share))
 }
 

@@ -43,7 +43,7 @@ impl Slot {
 
 /// What is asked of positions.
 pub(super) struct Frame {
-    /// Taps before the pixel itself, -1 at least.
+    /// Taps before the pixel itself, less the pixels of the apron.
     pub before: i32,
     /// First taps must be below these.
     pub limit: [u32; 2],
@@ -122,27 +122,37 @@ pub(super) unsafe fn drive<S: Set, T: Sample<Acc = f32>, K: Kernel<T>>(
     let blocks = count / S::LANES;
     let whole = job.interpolation == Interpolation::Nearest;
     let mut rest = Rest::new(S::ISA, job);
+    let (read, apron) = job.apron.as_ref().map_or((source, 0), |apron| (&apron.source, apron.width));
     let frame = Frame {
-        before: K::TAPS as i32 / 2 - 1 + i32::from(K::TAPS == 1),
-        limit: bounds(source, K::TAPS, K::LOAD),
+        before: K::TAPS as i32 / 2 - 1 + i32::from(K::TAPS == 1) - apron as i32,
+        limit: bounds(read, K::TAPS, K::LOAD),
         // A pixel at -taps/2 - 1 or at the side + taps/2 - 1 and beyond has no tap inside.
         span: [source.width, source.height].map(|n| (n + K::TAPS - 1) as u32),
         reach: K::TAPS as i32 / 2,
-        bytes: [source.row_stride * size_of::<T>(), K::CHANNELS * size_of::<T>()].map(|n| n as u64),
+        bytes: [read.row_stride * size_of::<T>(), K::CHANNELS * size_of::<T>()].map(|n| n as u64),
     };
-    let ahead = if size_of_val(source.data) > LARGE { AHEAD / S::LANES } else { 0 };
-    let base = source.data.as_ptr();
-    let mut slots = [Slot::EMPTY; SLOTS];
+    let ahead = if size_of_val(read.data) > LARGE { AHEAD / S::LANES } else { 0 };
+    let base = read.data.as_ptr();
+    // Many are cleared only where there are many.
+    let (mut one, mut many);
+    let slots: &mut [Slot] = if ahead == 0 {
+        one = [Slot::EMPTY];
+        &mut one
+    } else {
+        many = [Slot::EMPTY; SLOTS];
+        &mut many
+    };
+    let last = slots.len() - 1;
     for step in 0..blocks + ahead {
         if step < blocks {
-            let slot = &mut slots[step % SLOTS];
+            let slot = &mut slots[step & last];
             // SAFETY: the machine has the set; there are `blocks` blocks of positions.
             unsafe { S::take(points, step * S::LANES, whole, &frame, slot) };
             if ahead > 0 && (K::FETCHES || slot.scattered) {
                 for offset in slot.offsets[..S::LANES].iter().step_by(if slot.scattered { 1 } else { 2 }) {
                     let first = base.wrapping_byte_add(*offset as usize);
                     for row in 0..K::TAPS {
-                        S::fetch(first.wrapping_add(row * source.row_stride).cast());
+                        S::fetch(first.wrapping_add(row * read.row_stride).cast());
                     }
                 }
             }
@@ -151,18 +161,18 @@ pub(super) unsafe fn drive<S: Set, T: Sample<Acc = f32>, K: Kernel<T>>(
             continue;
         }
         let start = (step - ahead) * S::LANES;
-        let slot = &slots[(step - ahead) % SLOTS];
+        let slot = &slots[(step - ahead) & last];
         let pixels = &mut out[start * K::CHANNELS..(start + S::LANES) * K::CHANNELS];
         if slot.inside == u32::MAX >> (32 - S::LANES) {
             // SAFETY: the first taps are below `bounds`, which keeps every load inside the slice.
-            unsafe { kernel.block(base, source.row_stride, slot, pixels.as_mut_ptr()) };
+            unsafe { kernel.block(base, read.row_stride, slot, pixels.as_mut_ptr()) };
         } else if slot.inside == 0 && slot.near == 0 && rest.fills {
             pixels.copy_from_slice(&rest.fill[..pixels.len()]);
         } else {
             let mut made = [T::default(); 4 * MOST];
             if slot.inside != 0 {
                 // SAFETY: as above; taps that are not inside have offset 0, where there are as many elements.
-                unsafe { kernel.block(base, source.row_stride, slot, made.as_mut_ptr()) };
+                unsafe { kernel.block(base, read.row_stride, slot, made.as_mut_ptr()) };
             }
             rest.mixed(points, start, S::LANES, slot, &made, out);
         }

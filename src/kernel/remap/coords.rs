@@ -2,7 +2,7 @@
 
 use super::sample::Real;
 use super::{NOWHERE, Split};
-use crate::kernel::Isa;
+use crate::kernel::{Isa, compiled_for};
 
 /// Positions that a [`Buffer`] holds.
 pub const CHUNK: usize = 256;
@@ -235,16 +235,32 @@ impl<A: Real, const N: usize> Buffer<A, N> {
     /// Positions of a fixed-point map: pairs of whole pixels, and for each pair a code `32 * fy + fx` of
     /// fractions in 1/32 pixel (of which only ten bits count). Without codes the fractions are zero. With
     /// `nearest`, fractions of a half and more lead to the next pixel.
-    pub fn fixed(&mut self, whole: &[i16], codes: Option<&[u16]>, nearest: bool) -> Split<'_, A> {
-        let n = (whole.len() / 2).min(N);
-        for (i, pair) in whole.chunks_exact(2).take(n).enumerate() {
-            let code = codes.and_then(|c| c.get(i)).copied().unwrap_or(0);
-            let up = |fraction: u16| i32::from(nearest && fraction & 16 != 0);
-            self.x[i] = i32::from(pair[0]) + up(code);
-            self.y[i] = i32::from(pair[1]) + up(code >> 5);
-            self.fx[i] = A::of(f64::from(code & 31) / 32.0);
-            self.fy[i] = A::of(f64::from((code >> 5) & 31) / 32.0);
-        }
+    pub fn fixed(&mut self, isa: Isa, whole: &[i16], codes: Option<&[u16]>, nearest: bool) -> Split<'_, A> {
+        let pairs = whole.as_chunks::<2>().0;
+        let n = codes.map_or(pairs.len(), |codes| codes.len().min(pairs.len())).min(N);
+        let pairs = &pairs[..n];
+        compiled_for(isa, || {
+            let places = self.x[..n].iter_mut().zip(&mut self.y[..n]).zip(pairs);
+            for ((x, y), pair) in places {
+                (*x, *y) = (i32::from(pair[0]), i32::from(pair[1]));
+            }
+            let Some(codes) = codes else {
+                self.fx[..n].fill(A::default());
+                self.fy[..n].fill(A::default());
+                return;
+            };
+            let codes = &codes[..n];
+            for ((fx, fy), &code) in self.fx[..n].iter_mut().zip(&mut self.fy[..n]).zip(codes) {
+                *fx = A::of(f64::from(code & 31) * (1.0 / 32.0));
+                *fy = A::of(f64::from((code >> 5) & 31) * (1.0 / 32.0));
+            }
+            if nearest {
+                for ((x, y), &code) in self.x[..n].iter_mut().zip(&mut self.y[..n]).zip(codes) {
+                    *x += i32::from((code >> 4) & 1);
+                    *y += i32::from((code >> 9) & 1);
+                }
+            }
+        });
         self.view(n)
     }
 }
@@ -281,9 +297,9 @@ mod tests {
         let fine = buffer.split_f32(Isa::Scalar, Grid::Thirtyseconds, &x, &[0.0; 7]);
         assert_eq!(fine.fx, [0.5, 0.5, 0.5, 0.5, 0.5, 0.0, 0.0625]);
         assert_eq!(fine.x, [0, 1, 2, -1, -1, 0, 0]);
-        let fixed = buffer.fixed(&[3, -4], Some(&[5 + 32 * 7]), false);
+        let fixed = buffer.fixed(Isa::Scalar, &[3, -4], Some(&[5 + 32 * 7]), false);
         assert_eq!((fixed.x[0], fixed.y[0], fixed.fx[0], fixed.fy[0]), (3, -4, 5.0 / 32.0, 7.0 / 32.0));
-        let nearest = buffer.fixed(&[3, -4], Some(&[15 + 32 * 16]), true);
+        let nearest = buffer.fixed(Isa::Scalar, &[3, -4], Some(&[15 + 32 * 16]), true);
         assert_eq!((nearest.x[0], nearest.y[0]), (3, -3));
     }
 

@@ -17,6 +17,7 @@
 use super::Isa;
 use crate::error::{Error, Result};
 
+mod apron;
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -36,6 +37,7 @@ mod weights;
 pub use coords::{Buffer, CHUNK, Grid};
 pub use lerp::{Lerp, Scaled, nearest, within};
 pub use sample::{Real, Sample};
+pub use weights::{cubic, lanczos};
 
 /// A borrowed picture: `height` rows of `width * channels` elements, `row_stride` elements apart.
 #[derive(Clone, Copy, Debug)]
@@ -160,6 +162,7 @@ pub struct Job<'a, T> {
     border: &'a [T],
     outside: Outside,
     interpolation: Interpolation,
+    apron: Option<apron::Apron<'a, T>>,
 }
 
 impl<'a, T> Job<'a, T> {
@@ -177,7 +180,7 @@ impl<'a, T> Job<'a, T> {
         if border.len() != source.channels {
             return Err(Error::value("border", format!("{} numbers", border.len()), source.channels));
         }
-        Ok(Self { source, edges, border, outside, interpolation })
+        Ok(Self { source, edges, border, outside, interpolation, apron: None })
     }
 
     /// Channels of source and output.

@@ -105,7 +105,7 @@ fn agree<T: Probe>(random: &mut Random, channels: usize, kind: Interpolation) {
     let n = random.below(68);
     let (x, y) = (positions(random, n, width), positions(random, n, height));
     let before: Vec<T> = (0..skip + n * channels).map(|_| T::draw(random)).collect();
-    let run = |isa: Isa, taken_apart: bool| {
+    let run = |isa: Isa, taken_apart: bool, job: &Job<'_, T>| {
         let mut out = before.clone();
         let mut buffer: Buffer<_> = Buffer::new();
         let points = if taken_apart {
@@ -114,15 +114,16 @@ fn agree<T: Probe>(random: &mut Random, channels: usize, kind: Interpolation) {
         } else {
             Points::Plain(&x, &y)
         };
-        remap(isa, &job, &points, &mut out[skip..]).unwrap();
+        remap(isa, job, &points, &mut out[skip..]).unwrap();
         out.into_iter().map(T::bits).collect::<Vec<_>>()
     };
-    let want = run(Isa::Scalar, true);
+    let want = run(Isa::Scalar, true, &job);
+    let apron = job.apron(usize::MAX);
+    let with_apron = apron.as_deref().map_or(job, |apron| job.with_apron(apron));
     for isa in Isa::available() {
         for taken_apart in [false, true] {
-            let got = run(isa, taken_apart);
             assert!(
-                got == want,
+                run(isa, taken_apart, &job) == want && run(isa, taken_apart, &with_apron) == want,
                 "{isa:?} {kind:?} {channels} channels {width}x{height} {edges:?} {outside:?}"
             );
         }
@@ -167,15 +168,17 @@ fn rows_agree<T: Probe>(random: &mut Random, channels: usize, kind: Interpolatio
     let n = random.below(300);
     let row = Row { matrix: &matrix, x0: random.below(9) as f64, y: random.below(50) as f64 };
     let before: Vec<T> = (0..n * channels).map(|_| T::draw(random)).collect();
-    let run = |isa: Isa| {
+    let run = |isa: Isa, job: &Job<'_, T>| {
         let mut out = before.clone();
-        remap(isa, &job, &Points::Row(row), &mut out).unwrap();
+        remap(isa, job, &Points::Row(row), &mut out).unwrap();
         out.into_iter().map(T::bits).collect::<Vec<_>>()
     };
-    let want = run(Isa::Scalar);
+    let want = run(Isa::Scalar, &job);
+    let apron = job.apron(usize::MAX);
+    let with_apron = apron.as_deref().map_or(job, |apron| job.with_apron(apron));
     for isa in Isa::available() {
         assert!(
-            run(isa) == want,
+            run(isa, &job) == want && run(isa, &with_apron) == want,
             "{isa:?} {kind:?} {channels} channels {width}x{height} {edges:?} {matrix:?}"
         );
     }

@@ -27,7 +27,7 @@ const STEPS: usize = 1024;
 pub type Table<A> = [[A; 8]; STEPS + 1];
 
 /// Weights of the taps at -3..=4 for a position `f` in [0, 1]: `sinc(t) sinc(t/4)`, divided by their sum.
-fn lanczos(f: f64) -> [f64; 8] {
+pub fn lanczos(f: f64) -> [f64; 8] {
     use std::f64::consts::PI;
     if f == 0.0 || f == 1.0 {
         return std::array::from_fn(|i| if i as f64 == 3.0 + f { 1.0 } else { 0.0 });

@@ -183,25 +183,46 @@ pub fn pair(value: &Bound<'_, PyAny>) -> Option<[i64; 2]> {
     value.extract::<(i64, i64)>().ok().map(|(a, b)| [a, b])
 }
 
-/// A colour of up to four numbers, as OpenCV's scalars are written: nothing, one number, or a tuple.
-pub fn scalar(value: Option<&Bound<'_, PyAny>>) -> Option<[f64; 4]> {
-    let mut colour = [0.0; 4];
-    let Some(value) = value.filter(|v| !v.is_none()) else { return Some(colour) };
-    if let Ok(tuple) = value.cast::<PyTuple>() {
-        if tuple.len() > 4 {
+/// A colour as OpenCV's scalars are written, of any number of channels.
+#[derive(Clone, Debug, Default)]
+pub struct Colour {
+    first: [f64; 4],
+    more: Vec<f64>,
+}
+
+impl Colour {
+    /// From nothing, one number, or a tuple; `None` for what the front end must look at.
+    pub fn new(value: Option<&Bound<'_, PyAny>>) -> Option<Self> {
+        let mut colour = Self::default();
+        let Some(value) = value.filter(|v| !v.is_none()) else { return Some(colour) };
+        if let Ok(tuple) = value.cast::<PyTuple>() {
+            for (i, number) in tuple.iter_borrowed().enumerate() {
+                let number = number.extract().ok()?;
+                match colour.first.get_mut(i) {
+                    Some(place) => *place = number,
+                    None => colour.more.push(number),
+                }
+            }
+            return Some(colour);
+        }
+        // Arrays of one number extract, too: they are for the front end.
+        if array(value).is_some() {
             return None;
         }
-        for (place, number) in colour.iter_mut().zip(tuple.iter_borrowed()) {
-            *place = number.extract().ok()?;
-        }
-        return Some(colour);
+        colour.first[0] = value.extract().ok()?;
+        Some(colour)
     }
-    // Arrays of one number extract, too: they are for the front end.
-    if array(value).is_some() {
-        return None;
+
+    /// Whether all its numbers have a channel; those of OpenCV's four always do.
+    pub fn fits(&self, channels: usize) -> bool {
+        self.more.len() <= channels.saturating_sub(4)
     }
-    colour[0] = value.extract().ok()?;
-    Some(colour)
+
+    /// The number of a channel, 0 where none was given.
+    pub fn at(&self, channel: usize) -> f64 {
+        let more = || self.more.get(channel - 4).copied().unwrap_or(0.0);
+        self.first.get(channel).copied().unwrap_or_else(more)
+    }
 }
 
 /// A matrix of `rows` x 3 singles or doubles, filled up by (0, 0, 1).

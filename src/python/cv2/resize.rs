@@ -33,11 +33,11 @@ impl<'py> Call<'_, 'py> {
             _ => None,
         };
         let (interpolation, antialias) = (self.interpolation, self.antialias);
-        let done = fill(self.py, &out, |out| match nearest {
-            Some(nearest) => pick(&rows, &to, nearest, out).map(|()| true),
+        fill(self.py, &out, |out| match nearest {
+            Some(nearest) => pick(&rows, &to, nearest, out),
             None => resize(&rows, &to, interpolation, antialias, out),
         })?;
-        Ok(done.then(|| out.into_any()))
+        Ok(Some(out.into_any()))
     }
 }
 

@@ -1,13 +1,11 @@
-//! `pyrDown`, `pyrUp`, `integral`, undistortion maps.
+//! `pyrDown`, `pyrUp`, `integral`.
 
 use super::arrays::{Answer, Kind, Picture, array, fill, for_kind, kind, target};
 use crate::compat::cv2::integral::{Stored, Sum, Term, tilted, upright};
 use crate::compat::cv2::pyramid::{Element as Smooth, down, up};
-use crate::compat::cv2::undistort::{Camera, Lens, Target, tilt};
 use crate::error::{Error, Result};
-use crate::python::convert::work;
 use crate::wrap::Wrap;
-use numpy::{Element, PyArrayDyn, PyArrayMethods, PyUntypedArray};
+use numpy::{Element, PyUntypedArray};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -185,55 +183,8 @@ fn cv2_integral<'py>(
     }
 }
 
-/// Fills a map of `remap` with the places where an undistorted picture is read. `intrinsics` is fx, fy, cx, cy;
-/// `lens` has the twelve numbers of the standard lens and its two tilts, or the four of a fisheye.
-#[pyfunction]
-#[pyo3(signature = (intrinsics, lens, inverse, first, second))]
-fn cv2_undistortion<'py>(
-    py: Python<'py>,
-    intrinsics: [f64; 4],
-    lens: Vec<f64>,
-    inverse: [f64; 9],
-    first: &Bound<'py, PyUntypedArray>,
-    second: Option<&Bound<'py, PyUntypedArray>>,
-) -> PyResult<()> {
-    let lens = match lens.as_slice() {
-        &[k1, k2, k3, k4] => Lens::Fisheye([k1, k2, k3, k4]),
-        lens => {
-            let (Some(numbers), Some(&[x, y])) = (lens.first_chunk::<12>(), lens.get(12..14)) else {
-                let got = format!("{} numbers", lens.len());
-                return Err(Error::value("distCoeffs", got, "14, or 4 of a fisheye").into());
-            };
-            Lens::Standard(*numbers, tilt(x, y))
-        }
-    };
-    let [fx, fy, cx, cy] = intrinsics;
-    let camera = Camera { focal: [fx, fy], center: [cx, cy], lens, inverse };
-    let bad = |e: numpy::BorrowError| Error::value("map", e, "a writable array");
-    let packed = |e: numpy::AsSliceError| Error::value("map", e, "C-contiguous memory");
-    let width = numpy::PyUntypedArrayMethods::shape(first).get(1).copied().unwrap_or(0);
-    if let Ok(pairs) = first.cast::<PyArrayDyn<i16>>() {
-        let codes = second.map(|s| s.cast::<PyArrayDyn<u16>>()).transpose()?;
-        let codes = codes.ok_or_else(|| Error::value("map2", "none", "uint16"))?;
-        let (mut pairs, mut codes) =
-            (pairs.try_readwrite().map_err(bad)?, codes.try_readwrite().map_err(bad)?);
-        let target =
-            Target::Fixed(pairs.as_slice_mut().map_err(packed)?, codes.as_slice_mut().map_err(packed)?);
-        return work(py, None, || camera.fill(width, target));
-    }
-    let mut x = first.cast::<PyArrayDyn<f32>>()?.try_readwrite().map_err(bad)?;
-    let x = x.as_slice_mut().map_err(packed)?;
-    let Some(second) = second else {
-        return work(py, None, || camera.fill(width, Target::Pairs(x)));
-    };
-    let mut y = second.cast::<PyArrayDyn<f32>>()?.try_readwrite().map_err(bad)?;
-    let y = y.as_slice_mut().map_err(packed)?;
-    work(py, None, || camera.fill(width, Target::Planes(x, y)))
-}
-
 /// Adds this topic to the module.
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(cv2_pyramid, module)?)?;
-    module.add_function(wrap_pyfunction!(cv2_integral, module)?)?;
-    module.add_function(wrap_pyfunction!(cv2_undistortion, module)?)
+    module.add_function(wrap_pyfunction!(cv2_integral, module)?)
 }

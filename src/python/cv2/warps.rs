@@ -1,13 +1,14 @@
 //! `remap`, `warpAffine`, `warpPerspective`, `getRectSubPix`, `warpPolar`.
 
-use super::arrays::{Answer, Picture, array, fill, for_kind, kind, matrix, pair, scalar, target};
-use crate::compat::cv2::maps::Polar;
+use super::arrays::{Answer, Colour, Picture, array, fill, for_kind, kind, matrix, pair, target};
+use super::maps::map_arrays;
+use crate::compat::cv2::patch::patch;
+use crate::compat::cv2::polar::Polar;
 use crate::compat::cv2::read::{Manner, Pixel, Route, affine_inverse, projective_inverse, read};
 use crate::error::Error;
 use crate::kernel::remap::Real;
-use crate::python::remap::MapArrays;
 use crate::warp::remap::Map;
-use numpy::{Element, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{Element, PyUntypedArray};
 use pyo3::prelude::*;
 use std::ops::Range;
 
@@ -17,16 +18,13 @@ const WARP_INVERSE_MAP: i32 = 16;
 const WARP_RELATIVE_MAP: i32 = 32;
 const WARP_POLAR_LOG: i32 = 256;
 
-/// Channels that a colour has; pictures of more are for the front end.
-const MOST_CHANNELS: usize = 4;
-
 /// What is given to every function here beside its map.
 struct Call<'a, 'py> {
     py: Python<'py>,
     src: &'a Bound<'py, PyAny>,
     dst: Option<&'a Bound<'py, PyAny>>,
     manner: Manner,
-    border: [f64; 4],
+    border: Colour,
 }
 
 impl<'py> Call<'_, 'py> {
@@ -53,7 +51,7 @@ impl<'py> Call<'_, 'py> {
         let Some(rows) = picture.rows() else { return Ok(None) };
         let rows = rows?;
         let [height, width, channels] = picture.shape;
-        if channels > MOST_CHANNELS {
+        if !self.border.fits(channels) {
             return Ok(None);
         }
         let [width, height] = size.unwrap_or([width, height]);
@@ -70,10 +68,19 @@ impl<'py> Call<'_, 'py> {
         let Some(out) = target::<T>(self.py, self.dst, [height, width, channels], used)? else {
             return Ok(None);
         };
-        let border: [T; MOST_CHANNELS] = self.border.map(|v| T::put(T::Acc::of(v)));
+        let number = |c: usize| T::put(T::Acc::of(self.border.at(c)));
+        let few: [T; 4] = std::array::from_fn(number);
+        let many: Vec<T>;
+        let border = match few.get(..channels) {
+            Some(few) => few,
+            None => {
+                many = (0..channels).map(number).collect();
+                &many
+            }
+        };
         let manner = &self.manner;
-        let done = fill(self.py, &out, |out| read(&rows, map, manner, &border[..channels], width, out))?;
-        Ok(done.then(|| out.into_any()))
+        fill(self.py, &out, |out| read(&rows, map, manner, border, width, out))?;
+        Ok(Some(out.into_any()))
     }
 }
 
@@ -85,46 +92,6 @@ fn sized(dsize: &Bound<'_, PyAny>) -> Option<Option<[usize; 2]>> {
         size if size.iter().all(|n| (1..=MOST).contains(n)) => Some(Some(size.map(|n| n as usize))),
         _ => None,
     }
-}
-
-/// The arrays of a map that can be read as they lie, and its height and width.
-fn map_arrays<'py>(
-    first: &Bound<'py, PyAny>,
-    second: &Bound<'py, PyAny>,
-) -> PyResult<Option<(MapArrays<'py>, [usize; 2])>> {
-    let Some(first) = array(first) else { return Ok(None) };
-    let second = match second.is_none() {
-        true => None,
-        false => match array(second) {
-            None => return Ok(None),
-            second => second,
-        },
-    };
-    let packed = |a: &Bound<'py, PyUntypedArray>| a.is_c_contiguous() && a.is_aligned();
-    let (of_pixels, pairs) = match *first.shape() {
-        [h, w] => ([h, w], false),
-        [h, w, 2] => ([h, w], true),
-        _ => return Ok(None),
-    };
-    let numbers = |a: &Bound<'py, PyUntypedArray>| {
-        let dtype = a.dtype();
-        let native = numpy::PyArrayDescrMethods::is_native_byteorder(&dtype) != Some(false);
-        native.then_some((
-            numpy::PyArrayDescrMethods::kind(&dtype),
-            numpy::PyArrayDescrMethods::itemsize(&dtype),
-        ))
-    };
-    let fits = match (numbers(first), second.map(numbers)) {
-        (Some((b'f', 4 | 8)), None) => pairs,
-        (Some((b'f', n @ (4 | 8))), Some(Some((b'f', m)))) => !pairs && n == m,
-        (Some((b'i', 2)), None | Some(Some((b'u', 2)))) => pairs,
-        _ => false,
-    };
-    let fits = fits && second.is_none_or(|s| *s.shape() == of_pixels && packed(s));
-    if !fits || !packed(first) || of_pixels.contains(&0) {
-        return Ok(None);
-    }
-    Ok(Some((MapArrays::new(first, second)?, of_pixels)))
 }
 
 /// `remap`.
@@ -145,7 +112,7 @@ fn cv2_remap<'py>(
     if flags & WARP_RELATIVE_MAP != 0 {
         return Ok(None);
     }
-    let Some(border_value) = scalar(value) else { return Ok(None) };
+    let Some(border_value) = Colour::new(value) else { return Ok(None) };
     let Some((arrays, [height, width])) = map_arrays(map1, map2)? else { return Ok(None) };
     let manner = Manner::new(flags, border, Route::Map, antialias)?;
     let call = Call { py, src, dst, manner, border: border_value };
@@ -168,7 +135,8 @@ fn cv2_warp<'py>(
     value: Option<&Bound<'py, PyAny>>,
     antialias: bool,
 ) -> Answer<'py> {
-    let (Some(mut m), Some(size), Some(border_value)) = (matrix(m, rows), sized(dsize), scalar(value)) else {
+    let (Some(mut m), Some(size), Some(border_value)) = (matrix(m, rows), sized(dsize), Colour::new(value))
+    else {
         return Ok(None);
     };
     let inverted = flags & WARP_INVERSE_MAP == 0;
@@ -203,12 +171,31 @@ fn cv2_patch<'py>(
     else {
         return Ok(None);
     };
-    const REPLICATE: i32 = 1;
-    let manner = Manner::new(1, REPLICATE, Route::Exact, false)?;
-    let at = |c: f64, n: usize| c - 0.5 * (n as f64 - 1.0);
-    let m = [1.0, 0.0, at(x, width), 0.0, 1.0, at(y, height), 0.0, 0.0, 1.0];
-    let call = Call { py, src, dst, manner, border: [0.0; 4] };
-    call.run(Some([width, height]), &Map::Matrix(&m), &[])
+    let Some(src) = array(src) else { return Ok(None) };
+    let Some(kind) = kind(src) else { return Ok(None) };
+    macro_rules! work {
+        ($t:ty) => {
+            patch_of::<$t>(py, src, [width, height], [x, y], dst)
+        };
+    }
+    for_kind!(kind, work)
+}
+
+fn patch_of<'py, T: Element + Pixel>(
+    py: Python<'py>,
+    src: &Bound<'py, PyUntypedArray>,
+    size: [usize; 2],
+    center: [f64; 2],
+    dst: Option<&Bound<'py, PyAny>>,
+) -> Answer<'py> {
+    let Some(picture) = Picture::<T>::new(src) else { return Ok(None) };
+    let Some(rows) = picture.rows() else { return Ok(None) };
+    let rows = rows?;
+    let shape = [size[1], size[0], picture.shape[2]];
+    let inputs = std::slice::from_ref(&picture.span);
+    let Some(out) = target::<T>(py, dst, shape, inputs)? else { return Ok(None) };
+    fill(py, &out, |out| patch(&rows, size, center, out))?;
+    Ok(Some(out.into_any()))
 }
 
 /// The map of `warpPolar`.
@@ -235,35 +222,6 @@ fn polar_map(
     Ok([x, y])
 }
 
-/// The map of `warpPolar`: columns and rows.
-#[pyfunction]
-fn cv2_polar_map<'py>(
-    py: Python<'py>,
-    width: usize,
-    height: usize,
-    dsize: (usize, usize),
-    center: (f64, f64),
-    radius: f64,
-    flags: i32,
-) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-    let size = [dsize.0, dsize.1];
-    let [x, y] = polar_map(py, [width, height], size, [center.0, center.1], radius, flags)?;
-    let shape = [size[1], size[0]];
-    Ok((crate::python::convert::array(py, x, &shape)?, crate::python::convert::array(py, y, &shape)?))
-}
-
-/// The inverse of a matrix of 2 x 3 or 3 x 3.
-#[pyfunction]
-fn cv2_inverse<'py>(py: Python<'py>, matrix: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-    if let Some(m) = super::arrays::matrix(matrix, 3) {
-        return crate::python::convert::array(py, projective_inverse(m).to_vec(), &[3, 3]);
-    }
-    let Some([a, b, c, d, e, f, ..]) = super::arrays::matrix(matrix, 2) else {
-        return Err(Error::value("M", "another array", "2 x 3 or 3 x 3 numbers").into());
-    };
-    crate::python::convert::array(py, affine_inverse([a, b, c, d, e, f]).to_vec(), &[2, 3])
-}
-
 /// `warpPolar` of a picture of `height` rows; for the inverse `src` has a row more on each side.
 #[pyfunction]
 #[pyo3(signature = (src, width, height, dsize, center, radius, flags, dst, antialias))]
@@ -285,7 +243,7 @@ fn cv2_polar<'py>(
     const TRANSPARENT: i32 = 5;
     let border = if flags & WARP_FILL_OUTLIERS != 0 { 0 } else { TRANSPARENT };
     let manner = Manner::new(flags & INTER_MAX, border, Route::Map, antialias)?;
-    let call = Call { py, src, dst, manner, border: [0.0; 4] };
+    let call = Call { py, src, dst, manner, border: Colour::default() };
     call.run(Some(size), &Map::Single(&x, &y), &[])
 }
 
@@ -294,7 +252,5 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(cv2_remap, module)?)?;
     module.add_function(wrap_pyfunction!(cv2_warp, module)?)?;
     module.add_function(wrap_pyfunction!(cv2_patch, module)?)?;
-    module.add_function(wrap_pyfunction!(cv2_polar, module)?)?;
-    module.add_function(wrap_pyfunction!(cv2_polar_map, module)?)?;
-    module.add_function(wrap_pyfunction!(cv2_inverse, module)?)
+    module.add_function(wrap_pyfunction!(cv2_polar, module)?)
 }

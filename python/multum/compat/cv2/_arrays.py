@@ -1,12 +1,13 @@
 """Arguments of OpenCV's functions, brought into the form that the kernels take."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[Any]
+Made = TypeVar("Made")
 
 CHANNELS_OF_EXACT_LINEAR = (1, 3, 4)
 EXACT_LINEAR = (np.uint8, np.uint16, np.float32)
@@ -150,7 +151,7 @@ def limits(dtype: np.dtype[Any]) -> tuple[int, int]:
     return int(limits.min), int(limits.max)
 
 
-def made(result: Array | None) -> Array:
+def made(result: Made | None) -> Made:
     """What a compiled function answers to arguments that it must take."""
     if result is None:
         raise error("src: got memory that cannot be read as it lies, expected an array of numbers")

@@ -9,8 +9,8 @@ from ... import _multum
 from . import _arrays
 from ._arrays import Array
 from ._call import REFUSALS, receivers, refusal, settle
-from ._constants import ALGO_HINT_DEFAULT, BORDER_CONSTANT, WARP_RELATIVE_MAP
-from ._resample import Places, resample
+from ._constants import ALGO_HINT_DEFAULT, BORDER_CONSTANT, INTER_NEAREST, WARP_RELATIVE_MAP
+from ._resample import resample
 
 
 def remap(
@@ -68,14 +68,26 @@ def remap(
         if made is not None:
             return made
         receivers(("dst", dst))
-        places, kind = _places(map1, map2, interpolation)
-        return resample(src, places, kind, dst, borderMode, borderValue, antialias)
+        first, second = _positions(map1, map2, interpolation)
+        kind = interpolation & ~WARP_RELATIVE_MAP
+        return resample(
+            src,
+            (first.shape[1], first.shape[0]),
+            dst,
+            borderMode,
+            borderValue,
+            kind == INTER_NEAREST,
+            (first, second),
+            lambda source, into, colour: _multum.cv2_remap(
+                source, first, second, kind, into, borderMode, colour, antialias
+            ),
+        )
     except REFUSALS as reason:
         raise refusal(reason) from None
 
 
-def _places(map1: ArrayLike, map2: ArrayLike | None, flags: int) -> tuple[Places, int]:
-    """Where a map leads, and the interpolation."""
+def _positions(map1: ArrayLike, map2: ArrayLike | None, flags: int) -> tuple[Array, Array | None]:
+    """A map in order, from offsets where the flags say so."""
     first, second = _arrays.maps(map1, map2)
     if flags & WARP_RELATIVE_MAP:
         across = np.arange(first.shape[1], dtype=first.dtype)
@@ -84,7 +96,7 @@ def _places(map1: ArrayLike, map2: ArrayLike | None, flags: int) -> tuple[Places
             first = first + np.stack(np.broadcast_arrays(across, down), -1)
         elif second is not None:
             first, second = first + across, second + down
-    return Places((first.shape[1], first.shape[0]), first, second), flags & ~WARP_RELATIVE_MAP
+    return first, second
 
 
 def convertMaps(
@@ -109,9 +121,12 @@ def convertMaps(
     ([[[1, 2]]], [[272]])
     """
     try:
+        made = _multum.cv2_convert(map1, map2, dstmap1type, dstmap1, dstmap2, nninterpolation)
+        if made is not None:
+            return made
         receivers(("dstmap1", dstmap1), ("dstmap2", dstmap2))
         first, second = _arrays.maps(map1, map2)
-        one, two = _multum.cv2_convert(first, second, dstmap1type, nninterpolation)
+        one, two = _arrays.made(_multum.cv2_convert(first, second, dstmap1type, None, None, nninterpolation))
         return settle(one, dstmap1), None if two is None else settle(two, dstmap2)
     except REFUSALS as reason:
         raise refusal(reason) from None

@@ -7,11 +7,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ... import _multum
-from ._arrays import Array, error, image
+from . import _arrays
+from ._arrays import Array, error
 from ._arrays import size as _size
 from ._call import REFUSALS, receivers, refusal, settle
-from ._constants import CV_16SC2, CV_32FC1, CV_32FC2, INTER_LINEAR
-from ._remap import remap
+from ._constants import BORDER_CONSTANT
+from ._resample import output_size, resample
 
 # Places of OpenCV's coefficients: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tauX tauY.
 _COUNTS = (4, 5, 8, 12, 14)
@@ -26,6 +27,11 @@ def numbers(
         expected = " or ".join(str(s) for s in shapes)
         raise error(f"{argument}: got shape {array.shape} and dtype {array.dtype}, expected shape {expected}")
     return array.astype(np.float64)
+
+
+def _new_camera(value: ArrayLike) -> NDArray[np.float64]:
+    """The camera of the result, without the column of a stereo pair."""
+    return np.ascontiguousarray(numbers("newCameraMatrix", value, ((3, 3), (3, 4)))[:, :3])
 
 
 def coefficients(value: ArrayLike | None, fisheye: bool) -> list[float]:
@@ -66,21 +72,11 @@ def maps(
 ) -> tuple[Array, Array | None]:
     """The maps of a lens, in the form asked for."""
     receivers(("map1", given[0]), ("map2", given[1]))
-    width, height = dsize
-    kinds: dict[int, tuple[tuple[int, ...], type, type | None]] = {
-        CV_16SC2: ((height, width, 2), np.int16, np.uint16),
-        CV_32FC1: ((height, width), np.float32, np.float32),
-        CV_32FC2: ((height, width, 2), np.float32, None),
-    }
-    # As in OpenCV, -1 and 0 stand for the fixed-point form.
-    kind = kinds.get(CV_16SC2 if m1type <= 0 else m1type)
-    if kind is None:
-        raise error(f"m1type: got {m1type}, expected CV_16SC2, CV_32FC1 or CV_32FC2")
-    shape, first, second = kind
-    one: Array = np.empty(shape, first)
-    two: Array | None = None if second is None else np.empty(shape[:2], second)
     intrinsics = (camera[0, 0], camera[1, 1], camera[0, 2], camera[1, 2])
-    _multum.cv2_undistortion(intrinsics, lens, back, one, two)
+    made = _multum.cv2_undistortion(intrinsics, lens, back, dsize, m1type, *given)
+    if made is not None:
+        return made
+    one, two = _arrays.made(_multum.cv2_undistortion(intrinsics, lens, back, dsize, m1type, None, None))
     return settle(one, given[0]), None if two is None else settle(two, given[1])
 
 
@@ -134,11 +130,7 @@ def initUndistortRectifyMap(
     """
     try:
         camera = numbers("cameraMatrix", cameraMatrix, ((3, 3),))
-        new = (
-            camera
-            if newCameraMatrix is None
-            else numbers("newCameraMatrix", newCameraMatrix, ((3, 3), (3, 4)))
-        )
+        new = camera if newCameraMatrix is None else _new_camera(newCameraMatrix)
         lens = coefficients(distCoeffs, False)
         return maps(camera, lens, inverse(R, new), _size("size", size), m1type, (map1, map2))
     except REFUSALS as reason:
@@ -182,9 +174,24 @@ def undistort(
     [9, 9, 9, 9, 9]
     """
     try:
-        source = src if isinstance(src, np.ndarray) and src.ndim in (2, 3) and src.size else image("src", src)
-        shape = (source.shape[1], source.shape[0])
-        found = initUndistortRectifyMap(cameraMatrix, distCoeffs, None, newCameraMatrix, shape, CV_16SC2)
-        return remap(source, *found, INTER_LINEAR, dst, antialias=antialias)
+        made: Array | None = _multum.cv2_undistort(
+            src, cameraMatrix, distCoeffs, dst, newCameraMatrix, antialias
+        )
+        if made is not None:
+            return made
+        receivers(("dst", dst))
+        camera = numbers("cameraMatrix", cameraMatrix, ((3, 3),))
+        lens = np.array(coefficients(distCoeffs, False))
+        new = camera if newCameraMatrix is None else _new_camera(newCameraMatrix)
+        return resample(
+            src,
+            output_size((0, 0), src),
+            dst,
+            BORDER_CONSTANT,
+            None,
+            False,
+            (),
+            lambda source, into, _: _multum.cv2_undistort(source, camera, lens, into, new, antialias),
+        )
     except REFUSALS as reason:
         raise refusal(reason) from None

@@ -9,20 +9,20 @@ from numpy.typing import ArrayLike
 from ... import _multum
 from . import _arrays
 from ._arrays import Array, error
-from ._call import REFUSALS, receivers, refusal
+from ._call import REFUSALS, receivers, refusal, settle
 from ._constants import (
     ALGO_HINT_DEFAULT,
     BORDER_CONSTANT,
-    BORDER_REPLICATE,
     BORDER_TRANSPARENT,
     CV_8U,
     CV_32F,
     INTER_LINEAR,
     INTER_MAX,
+    INTER_NEAREST,
     WARP_FILL_OUTLIERS,
     WARP_INVERSE_MAP,
 )
-from ._resample import Places, output_size, resample
+from ._resample import output_size, resample
 
 
 def warpAffine(
@@ -132,14 +132,19 @@ def _warped(
             return made
         receivers(("dst", dst))
         matrix = _arrays.matrix("M", m, rows)
-        if not flags & WARP_INVERSE_MAP:
-            matrix = _multum.cv2_inverse(matrix)
-        places = Places(
-            output_size(dsize, src), matrix=matrix if rows == 3 else np.vstack([matrix, [0.0, 0.0, 1.0]])
+        size = output_size(dsize, src)
+        return resample(
+            src,
+            size,
+            dst,
+            border,
+            value,
+            flags & INTER_MAX == INTER_NEAREST,
+            (),
+            lambda source, into, colour: _multum.cv2_warp(
+                source, matrix, rows, size, into, flags, border, colour, antialias
+            ),
         )
-        quantised = "accumulated" if rows == 2 else "thirtyseconds"
-        kind = flags & INTER_MAX
-        return resample(src, places, kind, dst, border, value, antialias, quantised=quantised)
     except REFUSALS as reason:
         raise refusal(reason) from None
 
@@ -173,10 +178,8 @@ def getRectSubPix(
             source = source.astype(np.float32)
         elif patchType not in (-1, {"uint8": CV_8U, "float32": CV_32F}.get(source.dtype.name, -1)):
             raise error(f"patchType: got {patchType}, expected CV_32F, or the image's own depth")
-        width, height = _arrays.size("patchSize", patchSize)
-        x, y = (c - 0.5 * (n - 1) for c, n in zip(_center(center), (width, height), strict=True))
-        places = Places((width, height), matrix=np.array([[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]]))
-        return resample(source, places, INTER_LINEAR, patch, BORDER_REPLICATE, None, False, exact=True)
+        size, at = _arrays.size("patchSize", patchSize), _center(center)
+        return settle(_arrays.made(_multum.cv2_patch(source, size, at, None)), patch)
     except REFUSALS as reason:
         raise refusal(reason) from None
 
@@ -244,9 +247,19 @@ def _polar(
     made: Array | None = _multum.cv2_polar(source, width, height, size, at, radius, flags, dst, antialias)
     if made is not None:
         return made
-    x, y = _multum.cv2_polar_map(width, height, size, at, radius, flags)
     border = BORDER_CONSTANT if flags & WARP_FILL_OUTLIERS else BORDER_TRANSPARENT
-    return resample(source, Places(size, x, y), flags & INTER_MAX, dst, border, None, antialias)
+    return resample(
+        source,
+        size,
+        dst,
+        border,
+        None,
+        flags & INTER_MAX == INTER_NEAREST,
+        (),
+        lambda source, into, _: _multum.cv2_polar(
+            source, width, height, size, at, radius, flags, into, antialias
+        ),
+    )
 
 
 def _polar_size(dsize: Sequence[int], radius: float) -> tuple[int, int]:

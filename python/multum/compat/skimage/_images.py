@@ -22,6 +22,47 @@ NDIMAGE_MODES = {
 EVERYTHING = (-math.inf, math.inf)
 
 
+MOST = 1 << 40
+"""Elements of a result, at most."""
+
+
+class IndicesError(IndexError, ValueError):
+    """Wrong indices: scikit-image's ``IndexError``, and a ``ValueError`` as elsewhere here."""
+
+
+class ShapeError(RuntimeError, ValueError):
+    """Arrays that do not fit together: SciPy's ``RuntimeError``, and a ``ValueError`` as elsewhere here."""
+
+
+def sized(argument: str, value: Any) -> tuple[Any, ...]:
+    """Sizes as they were given, where their product is no more than fits anywhere."""
+    sizes = tuple(np.atleast_1d(np.asarray(value)).tolist()) if np.ndim(value) < 2 else ()
+    if not sizes or any(isinstance(n, bool) or not isinstance(n, int | float) for n in sizes):
+        raise ValueError(f"{argument}: got {value!r}, expected a tuple of numbers")
+    if not all(abs(n) <= MOST for n in sizes) or math.prod(max(abs(n), 1) for n in sizes) > MOST:
+        raise ValueError(f"{argument}: got {value!r}, expected at most 2^40 elements")
+    return sizes
+
+
+def finite(argument: str, value: Any) -> float:
+    """A number that is neither infinite nor NaN."""
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise ValueError(f"{argument}: got {value!r}, expected a finite number")
+    return number
+
+
+def picture(image: Any) -> Array:
+    """An array with rows and columns."""
+    array = np.asarray(image)
+    if array.ndim < 2:
+        raise ValueError(f"image: got shape {array.shape}, expected rows and columns")
+    return array
+
+
 class Floats(NamedTuple):
     """An image whose numbers are ``array * factor``: 8 and 16 bit codes are multiplied where they are read."""
 
@@ -96,7 +137,7 @@ def checked_mode(mode: str) -> str:
 
 def whole_numbers(value: Any, tolerance: float = 1e-3) -> NDArray[np.int64]:
     """Numbers that are whole up to a tolerance, as integers."""
-    numbers = np.asarray(value)
+    numbers = np.asarray(sized("output_shape", value))
     rounded: NDArray[np.int64] = np.asarray(np.rint(numbers), np.int64)
     if not np.allclose(numbers, rounded, rtol=0, atol=tolerance):
         raise ValueError(f"output_shape: got {value!r}, expected whole numbers")

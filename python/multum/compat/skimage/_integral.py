@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from ._images import IndicesError
+
 
 def integral_image(image: NDArray[Any], *, dtype: DTypeLike | None = None) -> NDArray[Any]:
     """``skimage.transform.integral_image``: the sum of all elements up to each, along every axis.
@@ -55,10 +57,16 @@ def integrate(ii: NDArray[Any], start: ArrayLike, end: ArrayLike) -> NDArray[np.
     [3.0, 6.0]
     """
     ii = np.asarray(ii)
-    first, last = (np.atleast_2d(np.array(corner)) for corner in (start, end))
-    first, last = (np.where(corner < 0, corner + np.array(ii.shape), corner) for corner in (first, last))
+    given = [np.atleast_2d(np.array(corner)) for corner in (start, end)]
+    if any(corner.dtype.kind not in "iu" or corner.ndim != 2 for corner in given):
+        raise IndicesError(f"start, end: got {start!r} and {end!r}, expected whole numbers")
+    if any(corner.shape[1] != ii.ndim for corner in given) or not ii.ndim:
+        raise IndicesError(f"start, end: got {start!r} and {end!r}, expected {ii.ndim} indices each")
+    first, last = (np.where(corner < 0, corner + np.array(ii.shape), corner) for corner in given)
     if (last < first).any():
-        raise IndexError(f"end: got {end!r}, expected no index below that of start, {start!r}")
+        raise IndicesError(f"end: got {end!r}, expected no index below that of start, {start!r}")
+    if (first < 0).any() or (last >= ii.shape).any():
+        raise IndicesError(f"start, end: got {start!r} and {end!r}, expected indices of shape {ii.shape}")
     sums = np.zeros(len(first))
     for corner in np.ndindex(*(2,) * ii.ndim):
         lower = np.array(corner, bool)

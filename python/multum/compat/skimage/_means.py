@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _bands
-from ._images import Array, Floats, as_floats, plain
+from ._images import MOST, Array, Floats, as_floats, plain, sized
 from ._resize import expanded
 
 
@@ -36,7 +36,7 @@ def downscale_local_mean(image: Array, factors: Any, cval: float = 0, clip: bool
     """
     image = np.asarray(image)
     blocks: tuple[Any, ...] = (factors,) * image.ndim if np.ndim(factors) == 0 else tuple(factors)
-    if len(blocks) != image.ndim or any(block < 1 for block in blocks):
+    if len(blocks) != image.ndim or not all(1 <= block <= MOST for block in blocks):
         raise ValueError(f"factors: got {factors!r}, expected {image.ndim} numbers from 1 on")
     if any(block != int(block) for block in blocks):
         raise TypeError(f"factors: got {factors!r}, expected whole numbers")
@@ -129,7 +129,7 @@ def resize_local_mean(
     [[1.0, 5.0]]
     """
     image = np.asarray(image)
-    shape = tuple(output_shape)
+    shape = sized("output_shape", output_shape)
     if channel_axis is not None:
         if not -image.ndim <= channel_axis < image.ndim:
             raise ValueError(f"channel_axis: got {channel_axis}, expected an axis of {image.ndim}")

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ._images import Array, Floats, as_floats, checked_mode, checked_order
+from ._images import Array, Floats, as_floats, checked_mode, checked_order, finite
 from ._resize import resampled, resize, smoothed
 
 # The smoothing of these functions follows SciPy's names, whose "reflect" repeats the edge.
@@ -21,9 +21,9 @@ _SMOOTHING_MODES = {
 
 def _check(name: str, factor: float, sigma: float | None) -> float:
     """The standard deviation: a third of the factor, unless it is given."""
-    if factor <= 1:
+    if finite(name, factor) <= 1:
         raise ValueError(f"{name}: got {factor}, expected more than 1")
-    if sigma is not None and sigma < 0:
+    if sigma is not None and finite("sigma", sigma) < 0:
         raise ValueError(f"sigma: got {sigma}, expected no negative number")
     return 2 * factor / 6.0 if sigma is None else sigma
 
@@ -158,7 +158,7 @@ def pyramid_gaussian(
     >>> [layer.shape for layer in pyramid_gaussian(np.ones((5, 8)))]
     [(5, 8), (3, 4), (2, 2), (1, 1)]
     """
-    _check("downscale", downscale, None)
+    _check("downscale", downscale, sigma)
     layer = as_floats(np.asarray(image), preserve_range).whole()
     yield layer
     count = 0

@@ -102,7 +102,7 @@ def nearest(
     itemsize = array.dtype.itemsize
     carrier = np.dtype(f"u{min(itemsize, 8)}") if itemsize in (1, 2, 4, 8, 16) else None
     if carrier is None or array.dtype.kind not in "biufc":
-        raise RuntimeError(f"image: got dtype {array.dtype}, expected numbers")
+        raise TypeError(f"image: got dtype {array.dtype}, expected numbers")
     beyond = np.full(array.shape[2], element(cval, array.dtype))
     out = np.empty((*size, array.shape[2]), array.dtype)
     numbers = None if matrix is None else [float(v) for v in matrix.flat]

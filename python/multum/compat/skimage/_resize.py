@@ -17,16 +17,18 @@ from ._images import (
     checked_mode,
     checked_order,
     clip_to_input,
+    finite,
     joined,
     limits,
     plain,
     scipy_ndimage,
+    sized,
 )
 
 
 def expanded(image: Array, output_shape: Any) -> tuple[Array, tuple[Any, ...]]:
     """Image and shape with the same number of axes: missing ones are of size 1, or channels that stay."""
-    wanted = tuple(output_shape)
+    wanted = sized("output_shape", output_shape)
     if len(wanted) > image.ndim:
         image = image.reshape(image.shape + (1,) * (len(wanted) - image.ndim))
     elif len(wanted) == image.ndim - 1:
@@ -101,6 +103,8 @@ def resize(
         raise ValueError("anti_aliasing: got True for an image of bool, expected False")
     with np.errstate(divide="warn", invalid="warn"):
         factors = np.divide(image.shape, wanted)
+    if anti_aliasing and not np.isfinite(factors).all():
+        raise ValueError(f"output_shape: got {output_shape!r}, expected positive numbers to smooth for")
     order = checked_order(dtype, order)
     whole = order == 0 and dtype.kind not in "f"
     source = Floats(plain(image), 1.0) if whole else as_floats(image, preserve_range)
@@ -213,7 +217,7 @@ def rescale(
     """
     image, axis = channels_last(np.asarray(image), channel_axis)
     spatial = image.ndim - (axis is not None)
-    scales = np.atleast_1d(scale)
+    scales = np.array([finite("scale", s) for s in np.atleast_1d(scale)])
     if len(scales) > 1 and len(scales) != spatial:
         raise ValueError(f"scale: got {scale!r}, expected one number or {spatial}")
     wanted = np.maximum(np.round(scales * np.array(image.shape[:spatial])), 1)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._images import Array, channels_last, whole_numbers
+from ._images import Array, channels_last, finite, picture, whole_numbers
 from ._matrices import apply
 from ._warp import warp
 
@@ -50,8 +50,9 @@ def rotate(
     >>> rotate(np.arange(6.0).reshape(2, 3), 90, resize=True).round(9).tolist()
     [[2.0, 5.0], [1.0, 4.0], [0.0, 3.0]]
     """
-    image = np.asarray(image)
+    image = picture(image)
     rows, columns = image.shape[0], image.shape[1]
+    angle = finite("angle", angle)
     if image.dtype == np.float16:
         image = image.astype(np.float32)
     middle = np.array((columns, rows)) / 2.0 - 0.5 if center is None else np.asarray(center)
@@ -127,7 +128,7 @@ def swirl(
     >>> swirl(np.eye(9), strength=3, radius=9).shape
     (9, 9)
     """
-    image = np.asarray(image)
+    image = picture(image)
     arguments = {
         "center": np.array(image.shape)[:2][::-1] / 2 if center is None else center,
         "rotation": rotation,
@@ -190,11 +191,16 @@ def warp_polar(
     half = np.array(image.shape)[:2] / 2
     if center is None:
         center = half - 0.5
+    elif np.shape(center) != (2,):
+        raise ValueError(f"center: got {center!r}, expected (row, column)")
     if radius is None:
         radius = float(np.sqrt(half[0] ** 2 + half[1] ** 2))
+    radius = finite("radius", radius)
     shape = (360, math.ceil(radius)) if output_shape is None else whole_numbers(output_shape)
     if scaling not in ("linear", "log"):
         raise ValueError(f"scaling: got {scaling!r}, expected 'linear' or 'log'")
+    if len(shape) < 2:
+        raise ValueError(f"output_shape: got {output_shape!r}, expected (rows, columns)")
     height, width = int(shape[0]), int(shape[1])
     step = width / radius if scaling == "linear" else width / np.log(radius)
     turn = height / (2 * np.pi)

@@ -12,6 +12,7 @@ from ._images import (
     NDIMAGE_MODES,
     Array,
     Floats,
+    ShapeError,
     as_floats,
     checked_mode,
     checked_order,
@@ -91,6 +92,8 @@ def warp(
         return _at_coordinates(image, inverse_map, order, mode, cval, clip, preserve_range, antialias)
     if image.ndim not in (2, 3):
         raise ValueError(f"image: got {image.ndim} axes, expected 2 or 3 with a map that is no array")
+    if len(shape) < 2:
+        raise ValueError(f"output_shape: got {output_shape!r}, expected (rows, columns)")
     size = (int(shape[0]), int(shape[1]))
     if min(size) < 0:
         raise ValueError(f"output_shape: got {size}, expected no negative numbers")
@@ -163,7 +166,7 @@ def _at_coordinates(
         raise TypeError(f"inverse_map: got dtype {coordinates.dtype}, expected real numbers")
     if coordinates.ndim < 2 or coordinates.shape[0] != image.ndim:
         expected = f"a first axis of {image.ndim}, one for each axis of the image"
-        raise RuntimeError(f"inverse_map: got shape {coordinates.shape}, expected {expected}")
+        raise ShapeError(f"inverse_map: got shape {coordinates.shape}, expected {expected}")
     source = as_floats(image, preserve_range) if order else Floats(plain(image), 1.0)
     shape = coordinates.shape[1:]
     if image.ndim == 2 and (order < 2 or len(shape) == 2):
@@ -186,7 +189,7 @@ def _through_channels(
     """An output with another number of channels than the image: they are an axis like others."""
     whole = source.whole() if order else source.array
     if whole.ndim != 3 or len(extra) != 1:
-        raise RuntimeError(f"output_shape: got channels {extra}, but the image has shape {whole.shape}")
+        raise ShapeError(f"output_shape: got channels {extra}, but the image has shape {whole.shape}")
     channels = np.broadcast_to(np.arange(extra[0], dtype=float), (*places[0].shape, extra[0]))
     columns, rows = (np.broadcast_to(p[..., np.newaxis], channels.shape) for p in places)
     ndimage = scipy_ndimage("another number of channels")

@@ -1,5 +1,7 @@
 """Sampling at grids of positions in [-1, 1]."""
 
+import math
+import operator
 import warnings
 from typing import Any
 
@@ -7,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import _multum
-from ._tensors import Array, error, floats, like, one_of
+from ._tensors import Array, array, error, floats, like, one_of
 
 MODES = ("bilinear", "nearest", "bicubic")
 PADDINGS = ("zeros", "border", "reflection")
@@ -86,52 +88,27 @@ def grid_sample(
     15.0
     """
     align = told(align_corners, "grid_sample")
-    images, places = checked(input, grid, mode, padding_mode)
-    batch, channels, height, width = images.shape
-    shape = places.shape[1:3]
-    # Channels that are last in memory are sampled together, others one by one.
+    images, places = array("input", input), array("grid", grid)
+    made: Array | None = None
+    if mode in MODES and padding_mode in PADDINGS:
+        made = _multum.torch_grid_sample(images, places, mode, padding_mode, align, False)
+    if made is None:
+        made = _sampled(*checked(images, places, mode, padding_mode), mode, padding_mode, align)
+    return like(made, input)
+
+
+def _sampled(images: Array, places: Array, mode: str, padding_mode: str, align: bool) -> Array:
+    """The same for arrays that are not packed; channels that are last in memory are sampled together."""
+    grid = np.ascontiguousarray(places)
     together = images.transpose(0, 2, 3, 1)
-    is_last = channels > 1 and together.flags.c_contiguous
-    if is_last:
-        sources = together[:, np.newaxis]
-        out = np.empty((batch, *shape, channels), images.dtype)
-        targets = out[:, np.newaxis]
-    else:
-        sources = np.ascontiguousarray(images)[..., np.newaxis]
-        out = np.empty((batch, channels, *shape), images.dtype)
-        targets = out[..., np.newaxis]
-    edge = {"zeros": "border", "border": "clamp", "reflection": "mirror_101" if align else "mirror"}[
-        padding_mode
-    ]
-    manner = {
-        "interpolation": mode,
-        "slope": -0.75,
-        "grid": "exact",
-        "wrap": (edge, edge),
-        "outside": "colour",
-        "border": [0.0] * sources.shape[-1],
-        "threads": None,
-    }
-    for n in range(batch if out.size else 0):
-        x, y = maps(places[n], (height, width), align)
-        # One sum tells, in almost all calls, that there is nothing to look for.
-        is_plain = bool(np.isfinite(x + y).all())
-        strange = np.zeros(0, bool) if is_plain else ~(np.isfinite(x) & np.isfinite(y))
-        if not is_plain:
-            x, y = (_found(m, size, mode, padding_mode) for m, size in ((x, width), (y, height)))
-        for source, target in zip(sources[n], targets[n], strict=True):
-            _multum.interpolate(source, x, y, None, manner, target)
-            if not is_plain and (mode == "bicubic" or (mode, padding_mode) == ("bilinear", "zeros")):
-                target[strange] = np.nan
-    return like(out.transpose(0, 3, 1, 2) if is_last else out, input)
-
-
-def _found(at: Array, size: int, mode: str, padding_mode: str) -> Array:
-    """Where PyTorch reads at positions that are not finite: the first or the last pixel, or nowhere."""
-    if mode == "bicubic" or padding_mode == "zeros":
-        return at
-    last = size - 1.0 if padding_mode == "border" else 0.0
-    return np.nan_to_num(at, nan=0.0, posinf=last, neginf=0.0)
+    if images.shape[1] > 1 and together.flags.c_contiguous:
+        made = _multum.torch_grid_sample(together, grid, mode, padding_mode, align, True)
+        if made is not None:
+            return made.transpose(0, 3, 1, 2)
+    made = _multum.torch_grid_sample(np.ascontiguousarray(images), grid, mode, padding_mode, align, False)
+    if made is None:
+        raise error("input, grid: got memory that cannot be read as it lies, expected arrays of floats")
+    return made
 
 
 def maps(places: Array, size: tuple[int, int], align: bool) -> tuple[Array, Array]:
@@ -164,13 +141,16 @@ def affine_grid(theta: Any, size: Any, align_corners: bool | None = None) -> Any
     """
     align = told(align_corners, "affine_grid")
     matrices = floats("theta", theta, 3, "(N, 2, 3)")
-    numbers = tuple(int(n) for n in size)
+    try:
+        numbers = tuple(operator.index(n) for n in size)
+    except TypeError:
+        raise error(f"size: got {size!r}, expected whole numbers (N, C, H, W)") from None
     axes = len(numbers) - 2
     if axes not in (2, 3) or matrices.shape != (numbers[0], axes, axes + 1):
         expected = "(N, 2, 3) with N, C, H, W, or (N, 3, 4) with N, C, D, H, W"
         raise error(f"theta, size: got shape {matrices.shape} with size {numbers}, expected {expected}")
-    if min(numbers) < 1:
-        raise error(f"size: got {numbers}, expected positive numbers")
+    if min(numbers) < 1 or math.prod(numbers[2:]) * numbers[0] > 1 << 40:
+        raise error(f"size: got {numbers}, expected positive numbers and at most 2^40 positions")
     lines: list[NDArray[Any]] = []
     for n in numbers[2:]:
         line = np.linspace(-1, 1, n) if n > 1 else np.zeros(1)

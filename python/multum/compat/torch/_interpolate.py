@@ -16,9 +16,13 @@ MODES = ("nearest", "nearest-exact", "bilinear", "bicubic", "area")
 
 def _pair(argument: str, value: Any) -> tuple[float, float]:
     numbers = (value, value) if np.ndim(value) == 0 else tuple(value)
-    if len(numbers) != 2:
-        raise error(f"{argument}: got {value!r}, expected a number or (height, width)")
-    return float(numbers[0]), float(numbers[1])
+    try:
+        pair = tuple(float(n) for n in numbers)
+    except OverflowError:
+        pair = ()
+    if len(pair) != 2 or not all(math.isfinite(n) for n in pair):
+        raise error(f"{argument}: got {value!r}, expected a finite number or (height, width)")
+    return pair[0], pair[1]
 
 
 def interpolate(
