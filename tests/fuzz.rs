@@ -115,6 +115,21 @@ fn wrapping_survives() {
 }
 
 #[test]
+fn sampling_survives() {
+    run("sample", fuzzing::sample);
+}
+
+#[test]
+fn warping_survives() {
+    run("warp", fuzzing::warps);
+}
+
+#[test]
+fn the_drop_ins_survive() {
+    run("compat", fuzzing::compat);
+}
+
+#[test]
 fn the_rasteriser_survives() {
     run("raster", fuzzing::raster);
 }

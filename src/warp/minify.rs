@@ -2,7 +2,7 @@
 
 use super::remap::Map;
 use crate::error::{Error, Result};
-use crate::kernel::{Isa, compiled_for};
+use crate::kernel::{Isa, Work, compiled_for};
 use crate::par;
 
 /// Pixels of a row that are looked at together.
@@ -53,15 +53,11 @@ impl Map<'_> {
             for (row, flags) in (i * rows..).zip(flags.chunks_exact_mut(segments)) {
                 // Without a row below, the step down is taken as none.
                 let below = if row + 1 < height { row + 1 } else { row };
-                compiled_for(isa, || self.flag(width, [row, below], flags));
+                compiled_for(isa, FlagRow { map: self, width, rows: [row, below], flags });
             }
             Ok(())
         };
-        if height <= rows {
-            band(0, &mut flags)?;
-        } else {
-            par::for_each(flags.chunks_mut(rows * segments), band)?;
-        }
+        par::for_each(flags.chunks_mut(rows * segments), band)?;
         Ok(if flags.contains(&true) { flags } else { Vec::new() })
     }
 
@@ -103,15 +99,36 @@ impl Map<'_> {
                 let w0 = m[7] * y + m[8];
                 for (segment, flag) in flags.iter_mut().enumerate() {
                     let start = segment * SEGMENT;
-                    for i in start..width.min(start + SEGMENT) {
-                        let x = f64::from(i as u32);
+                    let mut found = false;
+                    // Whole numbers of 32 bits become doubles in one step.
+                    for i in start as i32..width.min(start + SEGMENT) as i32 {
+                        let x = f64::from(i);
                         let w = m[6] * x + w0;
                         let r = 1.0 / (w * w);
-                        *flag |= exceeds(ROUNDING, across.map(|n| n * r), down.map(|(a, b)| (a * x + b) * r));
+                        let across = [across[0] * r, across[1] * r];
+                        let down = [(down[0].0 * x + down[0].1) * r, (down[1].0 * x + down[1].1) * r];
+                        found |= exceeds(ROUNDING, across, down);
                     }
+                    *flag = found;
                 }
             }
         }
+    }
+}
+
+/// The flags of one row, to be compiled for an instruction set.
+struct FlagRow<'a, 'm> {
+    map: &'a Map<'m>,
+    width: usize,
+    rows: [usize; 2],
+    flags: &'a mut [bool],
+}
+
+impl Work for FlagRow<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        self.map.flag(self.width, self.rows, self.flags);
     }
 }
 

@@ -3,9 +3,15 @@
 //! `fuzz/fuzz_targets` hands them what libFuzzer finds; `tests/fuzz.rs` the corpus and mutations of it.
 #![allow(dead_code)]
 
+use multum::compat::cv2::maps::{Target, convert};
+use multum::compat::cv2::read::{Manner, Pixel, Route, read};
+use multum::compat::cv2::resize::{Scaling, resize};
+use multum::compat::cv2::undistort::{Camera, Lens, tilt};
+use multum::compat::cv2::{Rows, patch, pyramid};
 use multum::encode::{Alpha, Encoding};
 use multum::mesh::{Normals, Scene};
 use multum::raster::{Attributes, Cull, Geometry, Options, rasterize};
+use multum::warp::remap::Map;
 use multum::warp::{Mapping, WarpOptions, warp};
 use multum::{Extent, Filter, Image, Pixels, Sampler, Texture, TextureOptions, Wrap, files};
 
@@ -139,4 +145,52 @@ pub fn warps(data: &[u8]) {
     let places: [f32; 24] = std::array::from_fn(|_| bytes.single());
     let maps = multum::warp::Maps::pairs(&places, [None, Some(f64::from(bytes.single()))]);
     let _ = warp(image.view(), &Mapping::Single(maps), 4, 3, &options);
+}
+
+/// The drop-ins for OpenCV, on a picture of any small shape and any numbers.
+pub fn compat(data: &[u8]) {
+    let mut bytes = Bytes(data);
+    match bytes.below(3) {
+        0 => compat_of::<u8>(&mut bytes, |b| b.take::<1>()[0]),
+        1 => compat_of::<i16>(&mut bytes, |b| i16::from_le_bytes(b.take())),
+        _ => compat_of::<f32>(&mut bytes, Bytes::single),
+    }
+}
+
+fn compat_of<T: Pixel + pyramid::Element>(bytes: &mut Bytes<'_>, number: fn(&mut Bytes<'_>) -> T) {
+    let (width, height, channels) = (1 + bytes.below(9), 1 + bytes.below(9), 1 + bytes.below(5));
+    let stride = width * channels + bytes.below(3);
+    let pixels: Vec<T> = (0..stride * height).map(|_| number(bytes)).collect();
+    let source = Rows::new(&pixels, width, height, channels, stride).expect("a picture in its slice");
+    let border: Vec<T> = (0..channels).map(|_| number(bytes)).collect();
+    let route = [Route::Map, Route::Affine, Route::Exact][bytes.below(3)];
+    let (kind, edge, antialias) = (bytes.below(8) as i32, bytes.below(7) as i32, bytes.below(2) == 0);
+    let (w, h) = (1 + bytes.below(9), 1 + bytes.below(9));
+    let mut out = vec![T::default(); w * h * channels];
+    let places: Vec<f32> = (0..2 * w * h).map(|_| bytes.single()).collect();
+    let matrix: [f64; 9] = std::array::from_fn(|_| bytes.double());
+    let (mut whole, mut codes) = (vec![0; 2 * w * h], vec![0; w * h]);
+    convert(&Map::SinglePairs(&places), Target::Fixed(&mut whole, Some(&mut codes))).expect("sizes fit");
+    if let Ok(manner) = Manner::new(kind, edge, route, antialias) {
+        let maps = [Map::SinglePairs(&places), Map::Matrix(&matrix), Map::Fixed(&whole, Some(&codes))];
+        for map in &maps {
+            read(&source, map, &manner, &border, w, &mut out).expect("sizes fit");
+        }
+    }
+    let center = [bytes.double(), bytes.double()];
+    patch::patch(&source, [w, h], center, &mut out).expect("sizes fit");
+    if let Ok(to) = Scaling::new([width, height], Some([w as i64, h as i64]), [0.0; 2]) {
+        let _ = resize(&source, &to, kind, antialias, &mut out);
+    }
+    let factors = [bytes.double(), bytes.double()];
+    if let Ok(to) = Scaling::new([width, height], None, factors)
+        && to.size[0] * to.size[1] < 4096
+    {
+        let mut out = vec![T::default(); to.size[0] * to.size[1] * channels];
+        let _ = resize(&source, &to, kind, antialias, &mut out);
+    }
+    let lens = Lens::Standard(std::array::from_fn(|_| bytes.double()), tilt(bytes.double(), bytes.double()));
+    let camera = Camera { focal: center, center: factors, lens, inverse: matrix };
+    let mut seen = vec![T::default(); width * height * channels];
+    camera.undistort(&source, antialias, &mut seen).expect("sizes fit");
 }

@@ -1,7 +1,7 @@
 //! Maps in all the forms that `remap` takes: positions into them, and from one to another.
 
 use crate::error::{Error, Result};
-use crate::kernel::{Isa, compiled_for};
+use crate::kernel::{Isa, Work, compiled_for};
 use crate::par;
 use crate::warp::remap::Map;
 
@@ -191,7 +191,7 @@ pub fn convert(map: &Map<'_>, target: Target<'_>) -> Result<()> {
         let len = band.len()?;
         for at in (0..len).step_by(CHUNK) {
             let range = first + at..first + (at + CHUNK).min(len);
-            compiled_for(isa, || chunk(map, range, at, &mut band));
+            compiled_for(isa, Chunk { map, range, at, target: &mut band });
         }
         Ok(())
     };
@@ -201,7 +201,22 @@ pub fn convert(map: &Map<'_>, target: Target<'_>) -> Result<()> {
     par::for_each(target.bands(BAND).into_iter(), |i, band| work(i * BAND, band))
 }
 
-/// Some positions of a map, to place `at` of a target.
+/// Some positions of a map, to place `at` of a target; to be compiled for an instruction set.
+struct Chunk<'a, 'm, 't> {
+    map: &'a Map<'m>,
+    range: std::ops::Range<usize>,
+    at: usize,
+    target: &'a mut Target<'t>,
+}
+
+impl Work for Chunk<'_, '_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        chunk(self.map, self.range, self.at, self.target);
+    }
+}
+
 #[inline(always)]
 fn chunk(map: &Map<'_>, range: std::ops::Range<usize>, at: usize, target: &mut Target<'_>) {
     let n = range.len().min(CHUNK);

@@ -3,7 +3,7 @@
 use super::Rows;
 use crate::error::{Error, Result};
 use crate::kernel::remap::{Real, Sample};
-use crate::kernel::{Isa, compiled_for};
+use crate::kernel::{Isa, Work, compiled_for};
 use crate::par;
 
 /// Elements of output that a thread takes at a time, about.
@@ -66,31 +66,37 @@ pub fn patch<T: Sample>(
                 }
                 [&lines[0][..], &lines[1][..]]
             };
-            compiled_for(isa, || lerp([upper, lower], [fx, fy], n, out));
+            compiled_for(isa, Lerp { rows: [upper, lower], f: [fx, fy], n, out });
         }
     };
-    let bands = out.chunks_mut(rows * width * n);
-    if bands.len() == 1 {
-        bands.into_iter().for_each(|out| work(0, out));
-        return Ok(());
-    }
-    par::for_each(bands, |i, out| {
+    par::for_each(out.chunks_mut(rows * width * n), |i, out| {
         work(i * rows, out);
         Ok(())
     })
 }
 
-/// A row between two rows and between their pixels.
-#[inline(always)]
-fn lerp<T: Sample>([upper, lower]: [&[T]; 2], [fx, fy]: [T::Acc; 2], n: usize, out: &mut [T]) {
-    let between = |a: T::Acc, b: T::Acc, f: T::Acc| a + f * (b - a);
-    let count = out.len();
-    let (a, b) = (&upper[..count], &upper[n..n + count]);
-    let (c, d) = (&lower[..count], &lower[n..n + count]);
-    for i in 0..count {
-        let left = between(a[i].get(), c[i].get(), fy);
-        let right = between(b[i].get(), d[i].get(), fy);
-        out[i] = T::put(between(left, right, fx));
+/// A row between two rows and between their pixels, to be compiled for an instruction set.
+struct Lerp<'a, T: Sample> {
+    rows: [&'a [T]; 2],
+    f: [T::Acc; 2],
+    n: usize,
+    out: &'a mut [T],
+}
+
+impl<T: Sample> Work for Lerp<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { rows: [upper, lower], f: [fx, fy], n, out } = self;
+        let count = out.len();
+        let (a, b) = (&upper[..count], &upper[n..n + count]);
+        let (c, d) = (&lower[..count], &lower[n..n + count]);
+        for i in 0..count {
+            let (a, b) = (a[i].get(), b[i].get());
+            let left = a + fy * (c[i].get() - a);
+            let right = b + fy * (d[i].get() - b);
+            out[i] = T::put(left + fx * (right - left));
+        }
     }
 }
 

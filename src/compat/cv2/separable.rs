@@ -18,7 +18,7 @@ use super::Rows;
 use crate::error::{Error, Result};
 use crate::image::zeros;
 use crate::kernel::remap::{Real, Sample, cubic, lanczos};
-use crate::kernel::{Isa, compiled_for};
+use crate::kernel::{Isa, Work, compiled_for};
 use crate::par;
 
 /// Elements of output that a thread takes at a time, about.
@@ -176,36 +176,49 @@ pub fn stretch<T: Sample>(
     let rows = (BAND / row).max(1);
     let work = |first: usize, out: &mut [T]| {
         let mut main = Window::new(source, axes)?;
-        let mut other = blend.map(|(axes, _)| Window::new(source, axes)).transpose()?;
+        let mut other = match blend {
+            Some((axes, share)) => Some((Window::new(source, axes)?, share)),
+            None => None,
+        };
         for (y, out) in out.chunks_exact_mut(row).enumerate() {
-            compiled_for(isa, || main.fetch(first + y));
-            match (&mut other, blend) {
-                (Some(other), Some((_, share))) => compiled_for(isa, || {
-                    other.fetch(first + y);
-                    main.sum(first + y, |start, sums| {
-                        other.part(first + y, start, |others| {
-                            for ((out, &a), &b) in out[start..].iter_mut().zip(sums).zip(others) {
-                                *out = T::put(a + share * (b - a));
-                            }
-                        });
-                    });
-                }),
-                _ => compiled_for(isa, || {
-                    main.sum(first + y, |start, sums| {
-                        for (out, &sum) in out[start..].iter_mut().zip(sums) {
-                            *out = T::put(sum);
-                        }
-                    });
-                }),
-            }
+            compiled_for(isa, OutputRow { main: &mut main, other: other.as_mut(), y: first + y, out });
         }
         Ok(())
     };
-    let bands = out.chunks_mut(rows * row);
-    if bands.len() == 1 {
-        return bands.into_iter().try_for_each(|band| work(0, band));
+    par::for_each(out.chunks_mut(rows * row), |i, band| work(i * rows, band))
+}
+
+/// One row of the output, to be compiled for an instruction set.
+struct OutputRow<'w, 'a, T: Sample> {
+    main: &'w mut Window<'a, T>,
+    other: Option<&'w mut (Window<'a, T>, T::Acc)>,
+    y: usize,
+    out: &'w mut [T],
+}
+
+impl<T: Sample> Work for OutputRow<'_, '_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { main, other, y, out } = self;
+        main.fetch(y);
+        let Some((other, share)) = other else {
+            for (k, out) in out.chunks_mut(LANES).enumerate() {
+                let sums = main.part(y, k * LANES);
+                for (out, &sum) in out.iter_mut().zip(&sums) {
+                    *out = T::put(sum);
+                }
+            }
+            return;
+        };
+        other.fetch(y);
+        for (k, out) in out.chunks_mut(LANES).enumerate() {
+            let (sums, others) = (main.part(y, k * LANES), other.part(y, k * LANES));
+            for ((out, &a), &b) in out.iter_mut().zip(&sums).zip(&others) {
+                *out = T::put(a + *share * (b - a));
+            }
+        }
     }
-    par::for_each(bands, |i, band| work(i * rows, band))
 }
 
 /// Stretched rows of the source: as many as an output row is made of.
@@ -307,33 +320,35 @@ impl<'a, T: Sample> Window<'a, T> {
         }
     }
 
-    /// Calls `each` with output row `y`, part by part, and the place of each part.
+    /// The part of output row `y` from element `start` on. Rows end in slack: whole parts can be read, and what is too much
+    /// is for the caller to leave.
     #[inline(always)]
-    fn sum(&self, y: usize, mut each: impl FnMut(usize, &[T::Acc])) {
-        for start in (0..self.row).step_by(LANES) {
-            self.part(y, start, |sums| each(start, sums));
+    fn part(&self, y: usize, start: usize) -> [T::Acc; LANES] {
+        let weights = self.axes[1].weights(y);
+        match weights.len() {
+            2 => self.part_of::<2>(weights, start),
+            4 => self.part_of::<4>(weights, start),
+            _ => self.part_of::<0>(weights, start),
         }
     }
 
-    /// Calls `each` with the part of output row `y` from `start` on.
+    /// [`Self::part`] of `K` taps, or of any number where that is 0.
     #[inline(always)]
-    fn part(&self, y: usize, start: usize, each: impl FnOnce(&[T::Acc])) {
-        let weights = self.axes[1].weights(y);
-        let middle = middle(weights.len());
-        // Rows end in slack: whole parts can be read, and what is too much is not handed on.
-        let row = |k: usize| self.kept[self.starts[k] + start..].first_chunk::<LANES>();
-        let count = (self.row - start).min(LANES);
-        let mut sums = [T::Acc::default(); LANES];
-        let Some(&base) = row(middle) else { return };
-        sums.copy_from_slice(&base);
-        for (k, &w) in weights.iter().enumerate() {
-            if let (true, Some(taps)) = (k != middle, row(k)) {
+    fn part_of<const K: usize>(&self, weights: &[T::Acc], start: usize) -> [T::Acc; LANES] {
+        let taps = if K == 0 { weights.len() } else { K };
+        let middle = middle(taps);
+        let mut base = [T::Acc::default(); LANES];
+        base.copy_from_slice(&self.kept[self.starts[middle] + start..][..LANES]);
+        let mut sums = base;
+        for k in 0..taps {
+            if k != middle {
+                let (w, taps) = (weights[k], &self.kept[self.starts[k] + start..][..LANES]);
                 for i in 0..LANES {
                     sums[i] = sums[i] + w * (taps[i] - base[i]);
                 }
             }
         }
-        each(&sums[..count]);
+        sums
     }
 }
 

@@ -18,7 +18,7 @@ use super::maps::{Beyond, Target};
 use super::read::{Manner, Pixel, Route, average, read};
 use crate::error::{Error, Result};
 use crate::image::zeros;
-use crate::kernel::{Isa, compiled_for};
+use crate::kernel::{Isa, Work, compiled_for};
 use crate::par;
 use crate::warp::remap::Map;
 
@@ -97,24 +97,50 @@ impl Lens {
     }
 }
 
+/// Places of the pixels of a row from `pixel` on, written to a target; to be compiled for an instruction set.
+struct Run<'a, 't> {
+    camera: &'a Camera,
+    pixel: [usize; 2],
+    places: [&'a mut [f64]; 2],
+    at: usize,
+    target: &'a mut Target<'t>,
+}
+
+impl Work for Run<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { camera, pixel: [first, row], places: [xs, ys], at, target } = self;
+        // One loop a kind of lens, so that none tests it for every pixel.
+        match camera.lens {
+            Lens::Standard(_, UPRIGHT) => camera.places::<false, false>(row, first, xs, ys),
+            Lens::Standard(..) => camera.places::<true, false>(row, first, xs, ys),
+            Lens::Fisheye(_) => camera.places::<false, true>(row, first, xs, ys),
+        }
+        target.write(at, xs, ys, Beyond::Wrap);
+    }
+}
+
 impl Camera {
     /// Places of the pixels of a row from `first` on.
     #[inline(always)]
-    fn places(&self, row: usize, first: usize, xs: &mut [f64], ys: &mut [f64]) {
+    fn places<const TILTED: bool, const FISHEYE: bool>(
+        &self,
+        row: usize,
+        first: usize,
+        xs: &mut [f64],
+        ys: &mut [f64],
+    ) {
         let m = &self.inverse;
         let y = row as f64;
         let [a0, b0, w0] = [0, 3, 6].map(|k| m[k + 1] * y + m[k + 2]);
-        let (tilted, fisheye) = match self.lens {
-            Lens::Standard(_, t) => (t != UPRIGHT, false),
-            Lens::Fisheye(_) => (false, true),
-        };
         for (i, (px, py)) in xs.iter_mut().zip(ys).enumerate() {
-            // Whole numbers below 2^32 become doubles in one step.
-            let x = f64::from((first + i) as u32);
+            // Whole numbers of 32 bits become doubles in one step.
+            let x = f64::from(first as i32 + i as i32);
             let (a, b, w) = (m[0] * x + a0, m[3] * x + b0, m[6] * x + w0);
-            let (bx, by) = self.lens.bend(a / w, b / w, tilted);
+            let (bx, by) = self.lens.bend(a / w, b / w, TILTED);
             (*px, *py) = (self.focal[0] * bx + self.center[0], self.focal[1] * by + self.center[1]);
-            if fisheye && w <= 0.0 {
+            if FISHEYE && w <= 0.0 {
                 // Behind the camera.
                 let side = |v: f64| if v > 0.0 { f64::NEG_INFINITY } else { f64::INFINITY };
                 (*px, *py) = (side(a), side(b));
@@ -150,11 +176,10 @@ impl Camera {
         for y in 0..rows {
             for first in (0..width).step_by(CHUNK) {
                 let n = (width - first).min(CHUNK);
-                let (xs, ys) = (&mut xs[..n], &mut ys[..n]);
-                compiled_for(isa, || {
-                    self.places(row + y, first, xs, ys);
-                    target.write(y * width + first, xs, ys, Beyond::Wrap);
-                });
+                let places = [&mut xs[..n], &mut ys[..n]];
+                let at = y * width + first;
+                let target = &mut target;
+                compiled_for(isa, Run { camera: self, pixel: [first, row + y], places, at, target });
             }
         }
     }
@@ -182,11 +207,7 @@ impl Camera {
             self.rows(isa, i * rows, width, Target::Fixed(&mut pairs, Some(&mut codes)));
             read(source, &Map::Fixed(&pairs, Some(&codes)), &manner, &black, width, out)
         };
-        if out.len() <= rows * row {
-            work(0, out)?;
-        } else {
-            par::for_each(out.chunks_mut(rows * row), work)?;
-        }
+        par::for_each(out.chunks_mut(rows * row), work)?;
         if !antialias {
             return Ok(());
         }

@@ -196,8 +196,13 @@ impl<'j, T: Sample> Rest<'j, T> {
     /// For a job of up to four channels.
     fn new(isa: Isa, job: &'j Job<'j, T>) -> Self {
         let mut fill = [T::default(); 4 * MOST];
-        for pixel in fill.chunks_exact_mut(job.source.channels) {
-            pixel.copy_from_slice(job.border);
+        // Twice as much with every copy: rows of an output may be short, and each comes here.
+        let mut made = job.border.len().min(fill.len());
+        fill[..made].copy_from_slice(&job.border[..made]);
+        while made < fill.len() {
+            let more = made.min(fill.len() - made);
+            fill.copy_within(..more, made);
+            made += more;
         }
         let fills = job.edges == [Edge::Border; 2] && job.outside == Outside::Colour;
         let grid = if job.interpolation == Interpolation::Nearest { Grid::Whole } else { Grid::Exact };

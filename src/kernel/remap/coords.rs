@@ -2,7 +2,7 @@
 
 use super::sample::Real;
 use super::{NOWHERE, Split};
-use crate::kernel::{Isa, compiled_for};
+use crate::kernel::{Isa, Work, compiled_for};
 
 /// Positions that a [`Buffer`] holds.
 pub const CHUNK: usize = 256;
@@ -239,29 +239,44 @@ impl<A: Real, const N: usize> Buffer<A, N> {
         let pairs = whole.as_chunks::<2>().0;
         let n = codes.map_or(pairs.len(), |codes| codes.len().min(pairs.len())).min(N);
         let pairs = &pairs[..n];
-        compiled_for(isa, || {
-            let places = self.x[..n].iter_mut().zip(&mut self.y[..n]).zip(pairs);
-            for ((x, y), pair) in places {
-                (*x, *y) = (i32::from(pair[0]), i32::from(pair[1]));
-            }
-            let Some(codes) = codes else {
-                self.fx[..n].fill(A::default());
-                self.fy[..n].fill(A::default());
-                return;
-            };
-            let codes = &codes[..n];
-            for ((fx, fy), &code) in self.fx[..n].iter_mut().zip(&mut self.fy[..n]).zip(codes) {
-                *fx = A::of(f64::from(code & 31) * (1.0 / 32.0));
-                *fy = A::of(f64::from((code >> 5) & 31) * (1.0 / 32.0));
-            }
-            if nearest {
-                for ((x, y), &code) in self.x[..n].iter_mut().zip(&mut self.y[..n]).zip(codes) {
-                    *x += i32::from((code >> 4) & 1);
-                    *y += i32::from((code >> 9) & 1);
-                }
-            }
-        });
+        let codes = codes.map(|codes| &codes[..n]);
+        compiled_for(isa, Fixed { buffer: self, pairs, codes, nearest });
         self.view(n)
+    }
+}
+
+/// A part of a fixed-point map, to be compiled for an instruction set.
+struct Fixed<'a, A, const N: usize> {
+    buffer: &'a mut Buffer<A, N>,
+    pairs: &'a [[i16; 2]],
+    codes: Option<&'a [u16]>,
+    nearest: bool,
+}
+
+impl<A: Real, const N: usize> Work for Fixed<'_, A, N> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { buffer: Buffer { x, y, fx, fy }, pairs, codes, nearest } = self;
+        let n = pairs.len().min(N);
+        for ((x, y), pair) in x.iter_mut().zip(&mut *y).zip(pairs) {
+            (*x, *y) = (i32::from(pair[0]), i32::from(pair[1]));
+        }
+        let Some(codes) = codes else {
+            fx[..n].fill(A::default());
+            fy[..n].fill(A::default());
+            return;
+        };
+        for ((fx, fy), &code) in fx.iter_mut().zip(fy).zip(codes) {
+            *fx = A::of(f64::from(code & 31) * (1.0 / 32.0));
+            *fy = A::of(f64::from((code >> 5) & 31) * (1.0 / 32.0));
+        }
+        if nearest {
+            for ((x, y), &code) in x.iter_mut().zip(y).zip(codes) {
+                *x += i32::from((code >> 4) & 1);
+                *y += i32::from((code >> 9) & 1);
+            }
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::super::Rows;
 use super::{Element, add, bands, checked, down_fits, output_fits};
 use crate::error::{Error, Result};
-use crate::kernel::{Isa, compiled_for};
+use crate::kernel::{Isa, Work, compiled_for};
 use crate::wrap::Wrap;
 
 /// Fills `out`, `size` = (width, height) packed pixels, with the picture at half its size. Beyond its sides the
@@ -33,13 +33,8 @@ pub fn down<T: Element>(src: Rows<'_, T>, wrap: Wrap, size: [usize; 2], out: &mu
         let mut fine = vec![T::default(); (2 * width - 1) * channels];
         for (y, out) in out.chunks_exact_mut(row).enumerate() {
             let five: [&[T]; 5] = std::array::from_fn(|j| src.row(rows[2 * (first + y) + j]));
-            compiled_for(isa, || {
-                let inner = &mut sums[2 * channels..];
-                add(five, inner, T::five);
-                outer(&mut sums, channels, src.width, &columns);
-                smooth::<T>(&sums, channels, &mut fine);
-                every_second(&fine, channels, out);
-            });
+            let (sums, fine) = (&mut sums[..], &mut fine[..]);
+            compiled_for(isa, Halved { five, channels, columns: &columns, sums, fine, out });
             if let Some(last) = &last {
                 for (c, out) in out[row - channels..].iter_mut().enumerate() {
                     let taps = std::array::from_fn(|k| sums[(last[k] + 2) * channels + c]);
@@ -48,6 +43,31 @@ pub fn down<T: Element>(src: Rows<'_, T>, wrap: Wrap, size: [usize; 2], out: &mu
             }
         }
     })
+}
+
+/// One row of the output, to be compiled for an instruction set.
+struct Halved<'a, T: Element> {
+    five: [&'a [T]; 5],
+    channels: usize,
+    /// The picture's columns, from two before it on.
+    columns: &'a [usize],
+    /// A row of sums, from two pixels before the picture on.
+    sums: &'a mut [T::Sum],
+    /// Room for all its pixels.
+    fine: &'a mut [T],
+    out: &'a mut [T],
+}
+
+impl<T: Element> Work for Halved<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { five, channels, columns, sums, fine, out } = self;
+        add(five, &mut sums[2 * channels..], T::five);
+        outer(sums, channels, five[0].len() / channels, columns);
+        smooth::<T>(sums, channels, fine);
+        every_second(fine, channels, out);
+    }
 }
 
 /// The picture's index for each of `count` places from `first` on.

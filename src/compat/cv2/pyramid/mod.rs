@@ -127,7 +127,7 @@ fn output_fits(len: usize, width: usize, height: usize, channels: usize) -> Resu
     Ok(())
 }
 
-/// Bands of whole rows over threads; one band stays on the calling thread.
+/// Bands of whole rows over threads.
 fn bands<T: Send>(
     out: &mut [T],
     row: usize,
@@ -135,12 +135,7 @@ fn bands<T: Send>(
     work: impl Fn(usize, &mut [T]) + Sync,
 ) -> Result<()> {
     let rows = (BAND / row).max(1).next_multiple_of(step);
-    let tiles = out.chunks_mut(rows * row);
-    if tiles.len() == 1 {
-        tiles.into_iter().for_each(|out| work(0, out));
-        return Ok(());
-    }
-    par::for_each(tiles, |i, out| {
+    par::for_each(out.chunks_mut(rows * row), |i, out| {
         work(i * rows, out);
         Ok(())
     })

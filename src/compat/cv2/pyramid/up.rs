@@ -3,7 +3,7 @@
 use super::super::Rows;
 use super::{Element, add, bands, checked, output_fits, up_fits};
 use crate::error::Result;
-use crate::kernel::{Isa, compiled_for};
+use crate::kernel::{Isa, Work, compiled_for};
 
 /// Fills `out`, `size` = (width, height) packed pixels, with the picture at twice its size. Beyond its first row
 /// and column the picture is mirrored about them, the last ones go on; what lies beyond twice the size repeats.
@@ -26,30 +26,55 @@ pub fn up<T: Element>(src: Rows<'_, T>, size: [usize; 2], out: &mut [T]) -> Resu
             let y = if first + y == 2 * src.height { first + y - 2 } else { first + y };
             let at = y / 2;
             let below = src.row((at + 1).min(last));
-            compiled_for(isa, || {
-                let inner = &mut sums[channels..];
-                if y % 2 == 0 {
-                    let above = src.row(if at == 0 { 1.min(last) } else { at - 1 });
-                    add([above, src.row(at), below], inner, T::three);
-                } else {
-                    add([src.row(at), below], inner, T::two);
-                }
-                let n = src.width * channels;
-                sums.copy_within(
-                    if src.width > 1 { 2 * channels..3 * channels } else { channels..2 * channels },
-                    0,
-                );
-                sums.copy_within(n..n + channels, n + channels);
-                let (even, odd) = halves.split_at_mut(1);
-                for (i, (even, odd)) in even[0].iter_mut().zip(&mut odd[0]).enumerate() {
-                    let (a, b, c) = (sums[i], sums[i + channels], sums[i + 2 * channels]);
-                    *even = T::narrow::<6>(T::three([a, b, c]));
-                    *odd = T::narrow::<6>(T::two([b, c]));
-                }
-                interleave(&halves[0], &halves[1], channels, out);
-            });
+            let above = src.row(if at == 0 { 1.min(last) } else { at - 1 });
+            let rows = [above, src.row(at), below];
+            let (sums, halves) = (&mut sums, &mut halves);
+            compiled_for(isa, Doubled { rows, channels, odd: y % 2 == 1, sums, halves, out });
         }
     })
+}
+
+/// One row of the output, to be compiled for an instruction set.
+struct Doubled<'a, T: Element> {
+    /// Above, at and below it.
+    rows: [&'a [T]; 3],
+    channels: usize,
+    /// Whether it lies between two rows.
+    odd: bool,
+    /// A row of sums, with a pixel more on either side.
+    sums: &'a mut [T::Sum],
+    /// Room for its even and its odd pixels.
+    halves: &'a mut [Vec<T>; 2],
+    out: &'a mut [T],
+}
+
+impl<T: Element> Work for Doubled<'_, T> {
+    type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        let Self { rows: [above, here, below], channels, odd, sums, halves, out } = self;
+        let n = here.len();
+        let inner = &mut sums[channels..];
+        if odd {
+            add([here, below], inner, T::two);
+        } else {
+            add([above, here, below], inner, T::three);
+        }
+        // The column before the first is the second, the one behind the last that again.
+        let mirrored = if n > channels { 2 * channels } else { channels };
+        sums.copy_within(mirrored..mirrored + channels, 0);
+        sums.copy_within(n..n + channels, n + channels);
+        let (a, b, c) = (&sums[..n], &sums[channels..][..n], &sums[2 * channels..][..n]);
+        let [evens, odds] = halves;
+        let (evens, odds) = (&mut evens[..n], &mut odds[..n]);
+        for i in 0..n {
+            evens[i] = T::narrow::<6>(T::three([a[i], b[i], c[i]]));
+        }
+        for i in 0..n {
+            odds[i] = T::narrow::<6>(T::two([b[i], c[i]]));
+        }
+        interleave(evens, odds, channels, out);
+    }
 }
 
 /// Pixels of two rows in turn; a last one that finds none repeats the one before. Three numbers are copied as four: the
