@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _multum
-from ._arguments import broadcast, count, name, number, numbers
+from ._arguments import broadcast, name, numbers, sampling
 from ._files import read_image
 
 
@@ -196,20 +196,12 @@ class SphereTexture:
             raise ValueError("ddx, ddy: got one of them, expected both or neither")
         if ddx is not None and lod is not None:
             raise ValueError("lod: got both lod and ddx, expected one of them")
-        sampling = _multum.Sampling(
-            name("filter", filter),
-            np.inf if max_anisotropy is None else number("max_anisotropy", max_anisotropy),
-            number("lod_bias", lod_bias),
-            name("lod_rule", lod_rule),
-            number("tolerance", tolerance),
-            (count("seed", seed, least=0, most=2**64 - 1) or 0),
-            count("threads", threads),
-        )
+        options = sampling(filter, max_anisotropy, lod_bias, lod_rule, tolerance, seed, threads)
         return self._texture.sample(
             places,
             broadcast("ddx", ddx, places.shape),
             broadcast("ddy", ddy, places.shape),
             broadcast("lod", lod, places.shape[:-1]),
-            sampling,
+            options,
             out,
         )

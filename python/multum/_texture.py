@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _multum
-from ._arguments import broadcast, count, name, number, numbers, wrap_pair
+from ._arguments import broadcast, count, name, number, numbers, sampling, wrap_pair
 from ._files import read_image
 from ._survey import Survey
 
@@ -271,20 +271,12 @@ class Texture:
             raise ValueError("lod: got both lod and jacobian, expected one of them")
         places = np.asarray(uv)
         leading = places.shape[:-1]
-        sampling = _multum.Sampling(
-            name("filter", filter),
-            np.inf if max_anisotropy is None else number("max_anisotropy", max_anisotropy),
-            number("lod_bias", lod_bias),
-            name("lod_rule", lod_rule),
-            number("tolerance", tolerance),
-            (count("seed", seed, least=0, most=2**64 - 1) or 0),
-            count("threads", threads),
-        )
+        options = sampling(filter, max_anisotropy, lod_bias, lod_rule, tolerance, seed, threads)
         return self._texture.sample(
             places,
             broadcast("jacobian", jacobian, (*leading, 2, 2)),
             broadcast("lod", lod, leading),
-            sampling,
+            options,
             out,
         )
 
@@ -335,21 +327,13 @@ class Texture:
             raise ValueError("lod: got both lod and jacobian, expected one of them")
         places = np.asarray(uv)
         leading = places.shape[:-1]
-        sampling = _multum.Sampling(
-            name("filter", filter),
-            np.inf if max_anisotropy is None else number("max_anisotropy", max_anisotropy),
-            number("lod_bias", lod_bias),
-            name("lod_rule", lod_rule),
-            number("tolerance", tolerance),
-            0,
-            count("threads", threads),
-        )
+        options = sampling(filter, max_anisotropy, lod_bias, lod_rule, tolerance, threads=threads)
         return Survey(
             *self._texture.survey(
                 places,
                 broadcast("jacobian", jacobian, (*leading, 2, 2)),
                 broadcast("lod", lod, leading),
-                sampling,
+                options,
             )
         )
 

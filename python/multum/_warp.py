@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _multum
-from ._arguments import count, name, number, numbers, size_pair, wrap_pair
+from ._arguments import name, numbers, sampling, size_pair, wrap_pair
 from ._survey import Survey
 
 Border = float | Sequence[float] | NDArray[Any]
@@ -332,15 +332,9 @@ def _options(
     if pixels.ndim not in (2, 3):
         raise ValueError(f"image: got shape {pixels.shape}, expected (H, W) or (H, W, C)")
     channels = pixels.shape[2] if pixels.ndim == 3 else 1
-    limit = np.inf if max_anisotropy is None else number("max_anisotropy", max_anisotropy)
-    allowed = number("tolerance", tolerance)
-    sampling = _multum.Sampling(
-        name("filter", filter), limit, 0.0, "major", allowed, 0, count("threads", threads)
-    )
     outside = numbers("border", border, channels)
-    return _multum.Warping(
-        sampling, wrap_pair(wrap), outside, name("encoding", encoding), name("alpha", alpha)
-    )
+    chosen = sampling(filter, max_anisotropy, tolerance=tolerance, threads=threads)
+    return _multum.Warping(chosen, wrap_pair(wrap), outside, name("encoding", encoding), name("alpha", alpha))
 
 
 def _period(pixels: NDArray[Any], wrap: str | Sequence[str]) -> tuple[float | None, float | None]:

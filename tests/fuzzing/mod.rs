@@ -153,7 +153,7 @@ pub fn compat(data: &[u8]) {
     match bytes.below(3) {
         0 => compat_of::<u8>(&mut bytes, |b| b.take::<1>()[0]),
         1 => compat_of::<i16>(&mut bytes, |b| i16::from_le_bytes(b.take())),
-        _ => compat_of::<f32>(&mut bytes, Bytes::single),
+        _ => compat_of::<f32>(&mut bytes, |b| b.single()),
     }
 }
 

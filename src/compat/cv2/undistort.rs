@@ -67,33 +67,58 @@ pub fn tilt(x: f64, y: f64) -> [f64; 9] {
     [a0, a1, a2, b0, b1, b2, c[0], c[1], c[2]]
 }
 
-impl Lens {
-    /// Where a point of the plane of the lens is seen.
+/// Where a point of the plane of the lens is seen.
+trait Bend {
+    /// Whether what lies behind the camera is infinitely far away.
+    const SEES_BEHIND: bool;
+    fn bend(&self, x: f64, y: f64) -> (f64, f64);
+}
+
+/// The standard lens before an upright sensor.
+struct Upright([f64; 12]);
+
+/// The standard lens before a tilted sensor.
+struct Tilted([f64; 12], [f64; 9]);
+
+/// A fisheye.
+struct Fisheye([f64; 4]);
+
+impl Bend for Upright {
+    const SEES_BEHIND: bool = false;
     #[inline(always)]
-    fn bend(&self, x: f64, y: f64, tilted: bool) -> (f64, f64) {
-        match self {
-            Self::Standard([k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4], t) => {
-                let (x2, y2, xy2) = (x * x, y * y, 2.0 * x * y);
-                let r2 = x2 + y2;
-                let k = (1.0 + ((k3 * r2 + k2) * r2 + k1) * r2) / (1.0 + ((k6 * r2 + k5) * r2 + k4) * r2);
-                let u = x * k + p1 * xy2 + p2 * (r2 + 2.0 * x2) + s1 * r2 + s2 * r2 * r2;
-                let v = y * k + p1 * (r2 + 2.0 * y2) + p2 * xy2 + s3 * r2 + s4 * r2 * r2;
-                if !tilted {
-                    return (u, v);
-                }
-                let w = t[6] * u + t[7] * v + t[8];
-                let w = if w == 0.0 { 1.0 } else { 1.0 / w };
-                (w * (t[0] * u + t[1] * v + t[2]), w * (t[3] * u + t[4] * v + t[5]))
-            }
-            Self::Fisheye([k1, k2, k3, k4]) => {
-                let r = (x * x + y * y).sqrt();
-                let t = r.atan();
-                let t2 = t * t;
-                let bent = t * (1.0 + t2 * (k1 + t2 * (k2 + t2 * (k3 + t2 * k4))));
-                let scale = if r == 0.0 { 1.0 } else { bent / r };
-                (x * scale, y * scale)
-            }
-        }
+    fn bend(&self, x: f64, y: f64) -> (f64, f64) {
+        let [k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4] = self.0;
+        let (x2, y2, xy2) = (x * x, y * y, 2.0 * x * y);
+        let r2 = x2 + y2;
+        let k = (1.0 + ((k3 * r2 + k2) * r2 + k1) * r2) / (1.0 + ((k6 * r2 + k5) * r2 + k4) * r2);
+        let u = x * k + p1 * xy2 + p2 * (r2 + 2.0 * x2) + s1 * r2 + s2 * r2 * r2;
+        let v = y * k + p1 * (r2 + 2.0 * y2) + p2 * xy2 + s3 * r2 + s4 * r2 * r2;
+        (u, v)
+    }
+}
+
+impl Bend for Tilted {
+    const SEES_BEHIND: bool = false;
+    #[inline(always)]
+    fn bend(&self, x: f64, y: f64) -> (f64, f64) {
+        let ((u, v), t) = (Upright(self.0).bend(x, y), &self.1);
+        let w = t[6] * u + t[7] * v + t[8];
+        let w = if w == 0.0 { 1.0 } else { 1.0 / w };
+        (w * (t[0] * u + t[1] * v + t[2]), w * (t[3] * u + t[4] * v + t[5]))
+    }
+}
+
+impl Bend for Fisheye {
+    const SEES_BEHIND: bool = true;
+    #[inline(always)]
+    fn bend(&self, x: f64, y: f64) -> (f64, f64) {
+        let [k1, k2, k3, k4] = self.0;
+        let r = (x * x + y * y).sqrt();
+        let t = r.atan();
+        let t2 = t * t;
+        let bent = t * (1.0 + t2 * (k1 + t2 * (k2 + t2 * (k3 + t2 * k4))));
+        let scale = if r == 0.0 { 1.0 } else { bent / r };
+        (x * scale, y * scale)
     }
 }
 
@@ -113,9 +138,9 @@ impl Work for Run<'_, '_> {
         let Self { camera, pixel: [first, row], places: [xs, ys], at, target } = self;
         // One loop a kind of lens, so that none tests it for every pixel.
         match camera.lens {
-            Lens::Standard(_, UPRIGHT) => camera.places::<false, false>(row, first, xs, ys),
-            Lens::Standard(..) => camera.places::<true, false>(row, first, xs, ys),
-            Lens::Fisheye(_) => camera.places::<false, true>(row, first, xs, ys),
+            Lens::Standard(k, t) if t == UPRIGHT => camera.places(&Upright(k), row, first, xs, ys),
+            Lens::Standard(k, t) => camera.places(&Tilted(k, t), row, first, xs, ys),
+            Lens::Fisheye(k) => camera.places(&Fisheye(k), row, first, xs, ys),
         }
         target.write(at, xs, ys, Beyond::Wrap);
     }
@@ -124,13 +149,7 @@ impl Work for Run<'_, '_> {
 impl Camera {
     /// Places of the pixels of a row from `first` on.
     #[inline(always)]
-    fn places<const TILTED: bool, const FISHEYE: bool>(
-        &self,
-        row: usize,
-        first: usize,
-        xs: &mut [f64],
-        ys: &mut [f64],
-    ) {
+    fn places<B: Bend>(&self, lens: &B, row: usize, first: usize, xs: &mut [f64], ys: &mut [f64]) {
         let m = &self.inverse;
         let y = row as f64;
         let [a0, b0, w0] = [0, 3, 6].map(|k| m[k + 1] * y + m[k + 2]);
@@ -138,9 +157,9 @@ impl Camera {
             // Whole numbers of 32 bits become doubles in one step.
             let x = f64::from(first as i32 + i as i32);
             let (a, b, w) = (m[0] * x + a0, m[3] * x + b0, m[6] * x + w0);
-            let (bx, by) = self.lens.bend(a / w, b / w, TILTED);
+            let (bx, by) = lens.bend(a / w, b / w);
             (*px, *py) = (self.focal[0] * bx + self.center[0], self.focal[1] * by + self.center[1]);
-            if FISHEYE && w <= 0.0 {
+            if B::SEES_BEHIND && w <= 0.0 {
                 // Behind the camera.
                 let side = |v: f64| if v > 0.0 { f64::NEG_INFINITY } else { f64::INFINITY };
                 (*px, *py) = (side(a), side(b));

@@ -1,6 +1,6 @@
 //! Maps: those that are given, `convertMaps`, undistortion.
 
-use super::arrays::{Answer, Picture, array, fill, for_kind, kind, matrix, target};
+use super::arrays::{Answer, Picture, array, fill, for_kind, kind, matrix, pair, target};
 use crate::compat::cv2::maps::{Target, convert};
 use crate::compat::cv2::read::{Pixel, projective_inverse};
 use crate::compat::cv2::undistort::{Camera, Lens, tilt};
@@ -177,6 +177,38 @@ fn coefficients(value: Option<&Bound<'_, PyAny>>) -> Option<[f64; 14]> {
     Some(lens)
 }
 
+/// `initUndistortRectifyMap` of the standard model, for matrices of 3 x 3.
+#[pyfunction]
+#[pyo3(signature = (matrix3, lens, r, new, size, kind, map1, map2))]
+#[expect(clippy::too_many_arguments, reason = "as many as the function that it stands for")]
+fn cv2_rectify<'py>(
+    py: Python<'py>,
+    matrix3: &Bound<'py, PyAny>,
+    lens: Option<&Bound<'py, PyAny>>,
+    r: Option<&Bound<'py, PyAny>>,
+    new: Option<&Bound<'py, PyAny>>,
+    size: &Bound<'py, PyAny>,
+    kind: i32,
+    map1: Option<&Bound<'py, PyAny>>,
+    map2: Option<&Bound<'py, PyAny>>,
+) -> Answer<'py> {
+    let (Some(k), Some(lens)) = (matrix(matrix3, 3), coefficients(lens)) else { return Ok(None) };
+    let given = |value: Option<&Bound<'py, PyAny>>, default: [f64; 9]| {
+        value.filter(|v| !v.is_none()).map_or(Some(default), |v| matrix(v, 3))
+    };
+    const IDENTITY: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+    let (Some(turn), Some(new)) = (given(r, IDENTITY), given(new, k)) else { return Ok(None) };
+    let Some([width, height]) = pair(size).filter(|size| size.iter().all(|n| (1..=1 << 30).contains(n)))
+    else {
+        return Ok(None);
+    };
+    let whole = std::array::from_fn(|i| (0..3).map(|j| new[i / 3 * 3 + j] * turn[3 * j + i % 3]).sum());
+    let camera = camera([k[0], k[4], k[2], k[5]], &lens, projective_inverse(whole))?;
+    let kind = if kind <= 0 { CV_16SC2 } else { kind };
+    let (width, height) = (width as usize, height as usize);
+    filled(py, kind, [height, width], [map1, map2], &[], |target| camera.fill(width, target))
+}
+
 /// `undistort`.
 #[pyfunction]
 #[pyo3(signature = (src, matrix3, lens, dst, new, antialias))]
@@ -223,6 +255,7 @@ fn undistorted<'py, T: Element + Pixel>(
 /// Adds this topic to the module.
 pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(cv2_convert, module)?)?;
+    module.add_function(wrap_pyfunction!(cv2_rectify, module)?)?;
     module.add_function(wrap_pyfunction!(cv2_undistort, module)?)?;
     module.add_function(wrap_pyfunction!(cv2_undistortion, module)?)
 }

@@ -129,6 +129,9 @@ def initUndistortRectifyMap(
     [-0.08, 0.99, 2.0, 3.01, 4.08]
     """
     try:
+        made = _multum.cv2_rectify(cameraMatrix, distCoeffs, R, newCameraMatrix, size, m1type, map1, map2)
+        if made is not None:
+            return made
         camera = numbers("cameraMatrix", cameraMatrix, ((3, 3),))
         new = camera if newCameraMatrix is None else _new_camera(newCameraMatrix)
         lens = coefficients(distCoeffs, False)

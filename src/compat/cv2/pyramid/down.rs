@@ -33,8 +33,15 @@ pub fn down<T: Element>(src: Rows<'_, T>, wrap: Wrap, size: [usize; 2], out: &mu
         let mut fine = vec![T::default(); (2 * width - 1) * channels];
         for (y, out) in out.chunks_exact_mut(row).enumerate() {
             let five: [&[T]; 5] = std::array::from_fn(|j| src.row(rows[2 * (first + y) + j]));
-            let (sums, fine) = (&mut sums[..], &mut fine[..]);
-            compiled_for(isa, Halved { five, channels, columns: &columns, sums, fine, out });
+            let halved = Halved {
+                five,
+                channels,
+                columns: &columns,
+                sums: &mut sums,
+                fine: &mut fine,
+                out: &mut *out,
+            };
+            compiled_for(isa, halved);
             if let Some(last) = &last {
                 for (c, out) in out[row - channels..].iter_mut().enumerate() {
                     let taps = std::array::from_fn(|k| sums[(last[k] + 2) * channels + c]);
