@@ -172,7 +172,7 @@ impl<'a> Textures<'a> {
     ) -> Result<()> {
         let channels = self.picture.channels();
         let places = |k: usize| (query(parts[k].0, true), None);
-        let mut means = zeros::<T::Acc>("dst", parts.len() * channels)?;
+        let mut means = zeros::<f64>("dst", parts.len() * channels)?;
         sampler.sample_places(&self.picture, parts.len(), &places, &mut means)?;
         let mut inside = Vec::new();
         if let Some(presence) = &self.presence {
@@ -183,7 +183,7 @@ impl<'a> Textures<'a> {
             let rest = inside.get(k).map_or(0.0, |&inside| 1.0 - f64::from(inside));
             for (i, &mean) in (at * channels..).zip(means) {
                 let before = held.get(i).map_or(0.0, |held| held.get().wide());
-                let (mean, plain) = (mean.wide() * T::FULL_SCALE + rest * before, out[i].get().wide());
+                let (mean, plain) = (mean * T::FULL_SCALE + rest * before, out[i].get().wide());
                 out[i] = T::put(T::Acc::of(plain + share * (mean - plain)));
             }
         }

@@ -115,7 +115,7 @@ impl<'a> Target<'a> {
     ///
     /// # Errors
     /// [`Error::Value`] where its parts do not fit together.
-    pub fn len(&self) -> Result<usize> {
+    pub fn count(&self) -> Result<usize> {
         let (one, other) = match self {
             Self::Planes(x, y) => (x.len(), y.len()),
             Self::Pairs(p) => (p.len() / 2, p.len().div_ceil(2)),
@@ -182,13 +182,13 @@ impl<'a> Target<'a> {
 /// # Ok::<(), multum::Error>(())
 /// ```
 pub fn convert(map: &Map<'_>, target: Target<'_>) -> Result<()> {
-    let count = target.len()?;
+    let count = target.count()?;
     if !map.fits(count) || matches!(map, Map::Matrix(_)) {
         return Err(Error::value("dstmap1", format!("{count} places"), "one for each position of map1"));
     }
     let isa = Isa::current();
     let work = |first: usize, mut band: Target<'_>| -> Result<()> {
-        let len = band.len()?;
+        let len = band.count()?;
         for at in (0..len).step_by(CHUNK) {
             let range = first + at..first + (at + CHUNK).min(len);
             compiled_for(isa, Chunk { map, range, at, target: &mut band });

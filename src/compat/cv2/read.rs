@@ -12,14 +12,13 @@ use super::antialias::{Plan, Seen};
 use crate::error::{Error, Result};
 use crate::image::{Element, Image, View, zeros};
 use crate::kernel::remap::Sample;
-use crate::num::Real as Number;
 use crate::texture::{Texture, TextureOptions};
 use crate::warp::remap::{Edge, Grid, Interpolation, Job, Map, Outside, Source, interpolate};
 use crate::wrap::Wrap;
 use half::f16;
 
 /// An element that OpenCV's warps take.
-pub trait Pixel: Sample<Acc: Number> {
+pub trait Pixel: Sample {
     /// Whether linear interpolation is exact in 1, 3 and 4 channels.
     const LINEAR_IS_EXACT: bool;
     /// What 1 stands for in results of filters.

@@ -13,9 +13,6 @@ use crate::par;
 /// Elements of output that a thread takes at a time, about.
 const BAND: usize = 1 << 16;
 
-/// Sides from which on OpenCV's steps of 2^-16 pixel would overflow.
-const FIXED: usize = 1 << 15;
-
 /// Sizes of a call: those of the result, and how many pixels of the source each of its pixels stands for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scaling {
@@ -32,8 +29,7 @@ pub struct Scaling {
 pub enum Nearest {
     /// Pixel `floor(i scale)`.
     Corner,
-    /// The pixel under the centre; of two that meet there the one that OpenCV's steps of 2^-16 pixel lead to, and for
-    /// sides that it does not take the second.
+    /// The pixel under the centre; of two that meet there the second.
     Center,
 }
 
@@ -78,12 +74,6 @@ fn picked(n: usize, m: usize, factor: f64, nearest: Nearest) -> Vec<usize> {
     let scale = 1.0 / factor;
     match nearest {
         Nearest::Corner => (0..m).map(|i| ((i as f64 * scale).floor() as usize).min(n - 1)).collect(),
-        Nearest::Center if n < FIXED => {
-            let (n, m) = (n as i64, m as i64);
-            let step = ((n << 16) + m / 2) / m;
-            let first = step / 2 - n % 2;
-            (0..m).map(|i| ((step * i + first) >> 16).clamp(0, n - 1) as usize).collect()
-        }
         Nearest::Center => {
             let under = |i: usize| (2 * i as u128 + 1) * n as u128 / (2 * m as u128);
             (0..m).map(|i| (under(i) as usize).min(n - 1)).collect()

@@ -43,6 +43,9 @@ pub enum Kernel {
     Mean,
 }
 
+/// Other axes, and their share of the result.
+pub type Blend<'a, A> = (&'a [Axis<A>; 2], A);
+
 /// The weights of every output pixel of an axis.
 #[derive(Clone, Debug)]
 pub struct Axis<A> {
@@ -157,7 +160,7 @@ fn fill<A: Real>(kernel: Kernel, x: f64, scale: f64, from: i64, weights: &mut [A
 pub fn stretch<T: Sample>(
     source: &Rows<'_, T>,
     axes: &[Axis<T::Acc>; 2],
-    blend: Option<(&[Axis<T::Acc>; 2], T::Acc)>,
+    blend: Option<Blend<'_, T::Acc>>,
     out: &mut [T],
 ) -> Result<()> {
     let [width, height] = [axes[0].first.len(), axes[1].first.len()];
@@ -225,8 +228,7 @@ impl<T: Sample> Work for OutputRow<'_, '_, T> {
 struct Window<'a, T: Sample> {
     source: &'a Rows<'a, T>,
     axes: &'a [Axis<T::Acc>; 2],
-    /// Elements of a stretched row, and of its place.
-    row: usize,
+    /// Elements of the place of a stretched row.
     stride: usize,
     kept: Vec<T::Acc>,
     /// Which row of the source stands in each place: row `y` in place `y % which.len()`.
@@ -240,13 +242,11 @@ struct Window<'a, T: Sample> {
 impl<'a, T: Sample> Window<'a, T> {
     fn new(source: &'a Rows<'a, T>, axes: &'a [Axis<T::Acc>; 2]) -> Result<Self> {
         let channels = source.channels;
-        let row = axes[0].first.len() * channels;
-        let stride = row + SLACK;
+        let stride = axes[0].first.len() * channels + SLACK;
         let places = axes[1].taps.min(source.height);
         Ok(Self {
             source,
             axes,
-            row,
             stride,
             kept: zeros("dsize", places.saturating_mul(stride))?,
             which: vec![usize::MAX; places],
@@ -340,9 +340,9 @@ impl<'a, T: Sample> Window<'a, T> {
         let mut base = [T::Acc::default(); LANES];
         base.copy_from_slice(&self.kept[self.starts[middle] + start..][..LANES]);
         let mut sums = base;
-        for k in 0..taps {
+        for (k, &w) in weights.iter().enumerate().take(taps) {
             if k != middle {
-                let (w, taps) = (weights[k], &self.kept[self.starts[k] + start..][..LANES]);
+                let taps = &self.kept[self.starts[k] + start..][..LANES];
                 for i in 0..LANES {
                     sums[i] = sums[i] + w * (taps[i] - base[i]);
                 }
@@ -498,9 +498,9 @@ mod tests {
         stretch(&source, &linear, None, &mut found[0]).unwrap();
         stretch(&source, &linear, Some((&mean, 0.25)), &mut found[1]).unwrap();
         stretch(&source, &mean, None, &mut found[2]).unwrap();
-        for i in 0..24 {
-            let want = found[0][i] + 0.25 * (found[2][i] - found[0][i]);
-            assert!((found[1][i] - want).abs() < 1e-12);
+        let [linear, blended, mean] = found;
+        for ((linear, blended), mean) in linear.iter().zip(&blended).zip(&mean) {
+            assert!((blended - (linear + 0.25 * (mean - linear))).abs() < 1e-12);
         }
     }
 

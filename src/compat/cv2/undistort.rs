@@ -172,7 +172,7 @@ impl Camera {
     /// # Errors
     /// [`Error::Value`] for a target whose parts do not fit; [`Error::Interrupted`].
     pub fn fill(&self, width: usize, target: Target<'_>) -> Result<()> {
-        let len = target.len()?;
+        let len = target.count()?;
         if len == 0 || width == 0 || !len.is_multiple_of(width) {
             return Err(Error::value("map", format!("{len} places"), format!("rows of {width}")));
         }
@@ -191,7 +191,7 @@ impl Camera {
     /// Rows of a map from `row` on.
     fn rows(&self, isa: Isa, row: usize, width: usize, mut target: Target<'_>) {
         let (mut xs, mut ys) = ([0.0; CHUNK], [0.0; CHUNK]);
-        let rows = target.len().unwrap_or(0) / width;
+        let rows = target.count().unwrap_or(0) / width;
         for y in 0..rows {
             for first in (0..width).step_by(CHUNK) {
                 let n = (width - first).min(CHUNK);

@@ -241,7 +241,8 @@ def resize(rng: Random) -> Call:
     )
     dst = source.receiver(rng, scaled, False)
     text = f"to {size} {options} {kind}"
-    return both("resize", source, (size,), options, dst, text, **bounds(source, kind))
+    why = HALVES if kind == "NEAREST_EXACT" else None
+    return both("resize", source, (size,), options, dst, text, reason=why, **bounds(source, kind))
 
 
 def warp_polar(rng: Random) -> Call:
