@@ -13,7 +13,7 @@ use std::ops::Div;
 use std::sync::OnceLock;
 
 /// Single or double precision: what the chain of levels is kept in.
-pub(super) trait Real: Float + PartialOrd + Send + Sync + Div<Output = Self> + 'static {
+pub(crate) trait Real: Float + PartialOrd + Send + Sync + Div<Output = Self> + 'static {
     fn from_f64(x: f64) -> Self;
     fn to_f64(self) -> f64;
     fn decode<T: Texel>(code: T) -> Self;
@@ -70,7 +70,8 @@ fn srgb_words() -> &'static SrgbWords {
     })
 }
 
-pub(super) struct Codec {
+/// Between the codes of a format and numbers.
+pub(crate) struct Codec {
     pub format: Format,
     /// Numbers a texel: the format's channels, or four where three stand in texels of four.
     pub lanes: usize,

@@ -22,6 +22,8 @@ mod codec;
 mod coverage;
 mod taps;
 
+pub(crate) use codec::{Codec, Real};
+
 use crate::encode::{Alpha, Encoding, Format};
 use crate::error::{Error, Result};
 use crate::image::{AnyView, Image, Pixels, View};

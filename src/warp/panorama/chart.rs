@@ -3,7 +3,7 @@
 //! The map is evaluated at 4 x 4 nodes, the Chebyshev-Lobatto points -1, -1/2, 1/2, 1 of the rectangle, sides
 //! included; the tensor product of cubics through them misses an analytic map by at most `f'''' h^4 / 96` in each
 //! direction, h half the side. It is compared with the map at [`CHECKS`], where that error is large, and refused where
-//! it is over the tolerance: then the rectangle is to be cut. A jump or a fold within the rectangle fails in the same way.
+//! it is too far off: then the rectangle is to be cut. A jump or a fold within the rectangle fails in the same way.
 
 use crate::kernel::{Isa, Work, compiled_for};
 use glam::DVec2;
@@ -38,9 +38,9 @@ pub(super) struct Chart {
 }
 
 impl Chart {
-    /// The polynomials through the map's values at [`places`]; `None` where they are not the map, to the tolerance of
-    /// each value.
-    pub fn fit(values: &[DVec2; PLACES], tolerance: impl Fn(DVec2) -> DVec2) -> Option<Self> {
+    /// The polynomials through the map's values at [`places`]; `None` where they are off by what `is_close` refuses, which
+    /// also gets the place.
+    pub fn fit(values: &[DVec2; PLACES], is_close: impl Fn(&Self, DVec2, DVec2) -> bool) -> Option<Self> {
         let mut c = [[[0.0; 4]; 4]; 2];
         for (axis, c) in c.iter_mut().enumerate() {
             let mut across = [[0.0; 4]; 4];
@@ -56,11 +56,17 @@ impl Chart {
             }
         }
         let chart = Self { c };
-        let close = |k: usize| {
-            let off = (chart.at(DVec2::from_array(CHECKS[k])) - values[16 + k]).abs();
-            off.cmple(tolerance(values[16 + k])).all()
-        };
-        (0..CHECKS.len()).all(close).then_some(chart)
+        let met = (CHECKS.iter().zip(&values[16..])).all(|(p, value)| {
+            let p = DVec2::from_array(*p);
+            is_close(&chart, p, chart.at(p) - *value)
+        });
+        met.then_some(chart)
+    }
+
+    /// A box that holds all places: its middle and half its sides.
+    pub fn bounds(&self) -> [DVec2; 2] {
+        let sizes = self.c.map(|c| c.as_flattened().iter().skip(1).map(|x| x.abs()).sum());
+        [DVec2::new(self.c[0][0][0], self.c[1][0][0]), DVec2::from_array(sizes)]
     }
 
     /// The place that a point of the rectangle leads to.
@@ -77,7 +83,8 @@ impl Chart {
         [DVec2::new(by_x(&self.c[0]), by_x(&self.c[1])), DVec2::new(by_y(&self.c[0]), by_y(&self.c[1]))]
     }
 
-    /// Places of a row of points `first + i step`, scaled and moved: `scale * place + offset`, in singles.
+    /// Places of a row of points `first + i step`, scaled and moved: `scale * place + offset`, in singles, whose error
+    /// is that of the largest.
     pub fn row(&self, isa: Isa, line: &Line, out: [&mut [f32]; 2]) {
         let [xs, ys] = out;
         for (axis, out) in [xs, ys].into_iter().enumerate() {
@@ -86,7 +93,8 @@ impl Chart {
                 *c = horner(&std::array::from_fn(|j| self.c[axis][j][power]), line.y) * line.scale[axis];
             }
             c[0] += line.offset[axis];
-            compiled_for(isa, Row { c, first: line.first, step: line.step, out });
+            let c = c.map(|x| x as f32);
+            compiled_for(isa, Row { c, first: line.first as f32, step: line.step as f32, out });
         }
     }
 }
@@ -107,9 +115,9 @@ fn horner(c: &[f64; 4], x: f64) -> f64 {
 }
 
 struct Row<'a> {
-    c: [f64; 4],
-    first: f64,
-    step: f64,
+    c: [f32; 4],
+    first: f32,
+    step: f32,
     out: &'a mut [f32],
 }
 
@@ -117,8 +125,10 @@ impl Work for Row<'_> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
+        let [a, b, c, d] = self.c;
         for (i, out) in self.out.iter_mut().enumerate() {
-            *out = horner(&self.c, self.first + self.step * f64::from(i as u32)) as f32;
+            let x = self.first + self.step * (i as i32) as f32;
+            *out = ((d * x + c) * x + b) * x + a;
         }
     }
 }
@@ -129,7 +139,7 @@ mod tests {
 
     fn fit(f: impl Fn(DVec2) -> DVec2, tolerance: f64) -> Option<Chart> {
         let values: Vec<DVec2> = places().map(f).collect();
-        Chart::fit(&values.try_into().expect("as many"), |_| DVec2::splat(tolerance))
+        Chart::fit(&values.try_into().expect("as many"), |_, _, off| off.abs().max_element() <= tolerance)
     }
 
     #[test]
@@ -143,6 +153,8 @@ mod tests {
             let [x, y] = chart.slopes(p);
             assert!((x - DVec2::new(3.0 * p.x * p.x * p.y, -1.0 + p.y)).length() < 1e-12);
             assert!((y - DVec2::new(p.x * p.x * p.x - 6.0 * p.y, 6.0 * p.y * p.y + p.x)).length() < 1e-12);
+            let [middle, half] = chart.bounds();
+            assert!((f(p) - middle).abs().cmple(half).all());
         }
         for isa in Isa::available() {
             let (mut xs, mut ys) = ([0.0; 37], [0.0; 37]);

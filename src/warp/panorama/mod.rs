@@ -1,17 +1,21 @@
 //! Panoramas: from one form of a picture of all directions to another, at any rotation.
 //!
-//! Where the map from the target's pixels to the source is smooth, which is nearly everywhere, rectangles of pixels are
-//! read by vector kernels at several points a pixel, from polynomials that are the map to 1/128 texel (`tile.rs`). Around poles,
-//! rims and folds, and for filters that are asked for by name, every pixel has a place and an analytic Jacobian, or several,
-//! for the filter (`rest.rs`). Work is done in bands of rows, so memory beyond the two pictures stays the same for any size.
+//! Every pixel is the mean of points within it. Where the map from the target's pixels to the source is smooth, which is
+//! nearly everywhere, rectangles of pixels are read by vector kernels, from polynomials that are the map to 1/128 texel
+//! (`tile.rs`, `fill.rs`); around poles, rims and folds every point is mapped by itself (`single.rs`). For filters that are asked for by
+//! name every pixel has a place and an analytic Jacobian, or several (`rest.rs`). Work is done in bands of rows, so memory beyond the two pictures stays the same for any size.
 //!
 //! Seams: an equirectangular picture repeats along u; a face of a cube carries one texel of its neighbours around it, on
 //! every level.
 
 mod chart;
+mod fill;
 mod form;
+mod grid;
 mod pictures;
+mod piece;
 mod rest;
+mod single;
 mod source;
 mod tile;
 
@@ -26,19 +30,21 @@ use crate::kernel::Isa;
 use crate::kernel::remap::{Interpolation, Sample};
 use crate::mapping::{Mapping, Tangents};
 use crate::par;
+use crate::pyramid::Codec;
 use glam::{DMat3, DVec2, DVec3};
 use pictures::Pictures;
+use piece::Number;
 use rest::Rest;
 use source::Source;
-use std::sync::Mutex;
 use tile::{SIDE, Show, Tiles};
 
 /// Bands of rows between two looks at the clock.
 const BANDS: usize = 8;
 /// Pixels from a pole within which the map is not left to polynomials, about.
 const NEAR: f64 = 24.0;
-/// Longest footprint, in widths, around poles.
-const LONGEST: f64 = 256.0;
+
+/// What averages of these elements are computed in.
+type Numbers<T> = <T as Sample>::Acc;
 
 /// The picture that is made.
 #[derive(Clone, Copy)]
@@ -106,58 +112,52 @@ fn typed<'a, T: Element + Sample>(
 where
     View<'a, T>: Into<AnyView<'a>>,
     Pixels: From<Vec<T>>,
+    Numbers<T>: Number,
 {
     let map = form.mapping("image", image.width(), image.height())?;
-    let border = border_codes(image.dtype(), image.channels(), options)?;
-    let format = Format::new(options.encoding, options.alpha, image.channels())?;
+    let channels = image.channels();
+    let border = border_codes(image.dtype(), channels, options)?;
+    let format = Format::new(options.encoding, options.alpha, channels)?;
     let pixels = target.size[0] * target.size[1];
-    let mut out = zeros::<T>("size", pixels * image.channels())?;
-    let Some(show) = show([image.width(), image.height()], form, target, format, options) else {
+    let mut out = zeros::<T>("size", pixels * channels)?;
+    let Some(show) = show([image.width(), image.height()], form, target, options) else {
         let source = Source::new(image, form, &border, options, near_poles(target, image.height()))?;
-        Rest { source: &source, form, target, options }.all(pixels, |i| i, &mut out)?;
+        Rest { source: &source, form, target, options }.all(pixels, &mut out)?;
         return Ok(out);
     };
     let pictures = Pictures::new(view, form, format, &border)?;
+    let codec = Codec::new(format, channels, T::DTYPE);
+    let mut decoded = vec![Numbers::<T>::default(); channels];
+    codec.decode_row(pictures.border(), channels, &mut decoded);
     let tiles = Tiles {
         pictures,
         form,
         map: &*map,
-        target_form: target.form,
-        target: target.map,
-        size: target.size,
-        rotation: target.rotation,
+        target,
         show,
+        codec,
+        is_plain: format.encoding == Encoding::Linear && !format.multiplies(),
+        border: decoded,
         isa: Isa::current(),
     };
-    let rest = quick(&tiles, &mut out)?;
-    if !rest.is_empty() {
-        let mut options = options.clone();
-        options.sampler.filter = match show {
-            Show::Centre(Interpolation::Nearest) => Filter::Nearest,
-            Show::Centre(_) => options.sampler.filter,
-            // Next to a pole footprints are long and thin.
-            Show::Mean if form == Form::Equirect => Filter::Anisotropic,
-            Show::Mean => Filter::Area,
-        };
-        options.sampler.max_anisotropy = LONGEST;
-        let source = Source::new(image, form, &border, &options, near_poles(target, image.height()))?;
-        Rest { source: &source, form, target, options: &options }.all(rest.len(), |i| rest[i], &mut out)?;
+    let band = SIDE * target.size[0] * channels;
+    let total = out.len();
+    let mut done = 0;
+    for (group, out) in out.chunks_mut(BANDS * band).enumerate() {
+        done += out.len();
+        par::for_each(out.chunks_mut(band), |i, out| tiles.band((group * BANDS + i) * SIDE, out))?;
+        par::check_interrupt(done as f64 / total as f64)?;
     }
     Ok(out)
 }
 
 impl Rest<'_> {
     /// [`Rest::fill`] in the precision of the source.
-    fn all<T: Element>(
-        &self,
-        count: usize,
-        pixel: impl Fn(usize) -> usize + Sync,
-        out: &mut [T],
-    ) -> Result<()> {
+    fn all<T: Element>(&self, count: usize, out: &mut [T]) -> Result<()> {
         if T::DTYPE == crate::texel::DType::F64 {
-            self.fill::<T, f64>(count, pixel, out)
+            self.fill::<T, f64>(count, out)
         } else {
-            self.fill::<T, f32>(count, pixel, out)
+            self.fill::<T, f32>(count, out)
         }
     }
 }
@@ -176,7 +176,6 @@ fn show(
     [width, height]: [usize; 2],
     form: Form,
     target: Target<'_>,
-    format: Format,
     options: &WarpOptions,
 ) -> Option<Show> {
     let sampler = &options.sampler;
@@ -190,54 +189,9 @@ fn show(
     if same && target.rotation == DMat3::IDENTITY && sampler.filter == Filter::Auto {
         return Some(Show::Centre(Interpolation::Nearest));
     }
-    if format.encoding != Encoding::Linear || format.multiplies() {
-        // Codes may not be averaged as they stand.
-        return None;
-    }
     match sampler.filter {
         Filter::Auto if sampler.tolerance.is_none() => Some(Show::Mean),
         Filter::Bilinear => Some(Show::Centre(Interpolation::Bilinear)),
         _ => None,
     }
-}
-
-/// Fills what is smooth; answers with the pixels that are not.
-fn quick<'a, T: Element + Sample>(tiles: &Tiles<'a, '_, T>, out: &mut [T]) -> Result<Vec<usize>>
-where
-    View<'a, T>: Into<AnyView<'a>>,
-    Pixels: From<Vec<T>>,
-{
-    let channels = tiles.pictures.channels();
-    let band = SIDE * tiles.size[0] * channels;
-    let (total, mut done) = (out.len(), 0);
-    let mut rest = Vec::new();
-    for (group, out) in out.chunks_mut(BANDS * band).enumerate() {
-        done += out.len();
-        let found = Mutex::new(Vec::new());
-        par::for_each(out.chunks_mut(band), |i, out| {
-            let first = (group * BANDS + i) * SIDE;
-            let mut own = Vec::new();
-            tiles.band(first, out, &mut own)?;
-            let base = first * tiles.size[0];
-            own.retain(|pixel| {
-                // Where there is no direction nothing is to be filtered.
-                let at = |x: f64, y: f64| {
-                    DVec2::new((pixel % tiles.size[0]) as f64 + x, (pixel / tiles.size[0]) as f64 + y)
-                        / DVec2::new(tiles.size[0] as f64, tiles.size[1] as f64)
-                };
-                let there = tiles.target.inverse_at(at(0.5, 0.5)).is_some();
-                if !there {
-                    out[(pixel - base) * channels..][..channels].copy_from_slice(tiles.pictures.border());
-                }
-                there
-            });
-            found.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((i, own));
-            Ok(())
-        })?;
-        let mut found = found.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-        found.sort_unstable_by_key(|(i, _)| *i);
-        rest.extend(found.into_iter().flat_map(|(_, own)| own));
-        par::check_interrupt(done as f64 / total as f64)?;
-    }
-    Ok(rest)
 }

@@ -78,24 +78,30 @@ where
         (DVec2::new(side(self.views[0].width()), side(self.views[0].height())), frame)
     }
 
-    /// A face of a level, ready to be read.
-    pub fn job(&self, level: usize, face: usize, interpolation: Interpolation) -> Result<Job<'_, T>> {
-        let edges = match self.form.wrap() {
+    /// What lies beyond the sides of a level.
+    pub fn edges(&self) -> [Edge; 2] {
+        match self.form.wrap() {
             [Wrap::Repeat, _] => [Edge::Repeat, Edge::Clamp],
             [Wrap::Border, _] => [Edge::Border; 2],
             _ => [Edge::Clamp; 2],
-        };
-        let source = if level == 0 && self.framed.is_empty() {
-            let view = &self.views[face];
-            Source::new(view.data(), view.width(), view.height(), view.channels(), view.row_stride())?
-        } else {
-            let image = if level == 0 { &self.framed[face] } else { &self.above()?[face][level - 1] };
-            let data = T::of_pixels(image.pixels())
-                .ok_or_else(|| Error::type_("image", image.dtype().name(), T::DTYPE.name()))?;
-            let channels = image.channels();
-            Source::new(data, image.width(), image.height(), channels, image.width() * channels)?
-        };
-        Job::new(source, interpolation, edges, &self.border, Outside::Colour)
+        }
+    }
+
+    /// A level of the picture, or of a face in its frame.
+    pub fn view(&self, level: usize, face: usize) -> Result<View<'_, T>> {
+        if level == 0 && self.framed.is_empty() {
+            return Ok(self.views[face]);
+        }
+        let image = if level == 0 { &self.framed[face] } else { &self.above()?[face][level - 1] };
+        T::of_view(&image.view()).ok_or_else(|| Error::type_("image", image.dtype().name(), T::DTYPE.name()))
+    }
+
+    /// A level, or a face of it, ready to be read.
+    pub fn job(&self, level: usize, face: usize, interpolation: Interpolation) -> Result<Job<'_, T>> {
+        let view = self.view(level, face)?;
+        let source =
+            Source::new(view.data(), view.width(), view.height(), view.channels(), view.row_stride())?;
+        Job::new(source, interpolation, self.edges(), &self.border, Outside::Colour)
     }
 
     /// Levels from the second on, for each face.

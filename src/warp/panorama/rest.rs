@@ -42,15 +42,10 @@ pub(super) struct Rest<'a> {
 type Plan = (Vec<(usize, Query)>, Vec<usize>);
 
 impl Rest<'_> {
-    /// Fills `count` pixels of the picture, the numbers of which `pixel` tells; averages are in `R`.
-    pub fn fill<T: Element, R: Real>(
-        &self,
-        count: usize,
-        pixel: impl Fn(usize) -> usize + Sync,
-        out: &mut [T],
-    ) -> Result<()> {
+    /// Fills the `count` pixels of the picture; averages are in `R`.
+    pub fn fill<T: Element, R: Real>(&self, count: usize, out: &mut [T]) -> Result<()> {
         for start in (0..count).step_by(BAND) {
-            let pixels: Vec<usize> = (start..count.min(start + BAND)).map(&pixel).collect();
+            let pixels: Vec<usize> = (start..count.min(start + BAND)).collect();
             match self.source {
                 Source::One(one) => self.parts::<T, R>(one, &pixels, out)?,
                 Source::Cube(cube) => self.directions::<T, R>(cube, &pixels, out)?,

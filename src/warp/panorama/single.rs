@@ -1,0 +1,143 @@
+//! Pixels one by one, each of its points where its own direction leads: around poles, rims and folds.
+
+use super::grid::{Grid, along_row};
+use super::piece::{Number, four};
+use super::tile::{Rect, Room, Show, Tiles};
+use super::{Form, Numbers};
+use crate::error::Result;
+use crate::image::{AnyView, Element, Pixels, View};
+use crate::kernel::remap::{Edge, Interpolation, Real, Sample};
+use crate::mapping::{Face, Mapped, SurfacePoint, Tangents};
+use crate::sphere::along;
+use glam::{DVec2, DVec3};
+
+/// Room that every pixel uses anew.
+pub(super) struct Points<T, R> {
+    codes: Vec<T>,
+    fractions: Vec<[R; 2]>,
+    numbers: Vec<R>,
+    mean: Vec<R>,
+    scratch: Vec<R>,
+}
+
+impl<T, R> Points<T, R> {
+    pub fn new() -> Self {
+        Self {
+            codes: Vec::new(),
+            fractions: Vec::new(),
+            numbers: Vec::new(),
+            mean: Vec::new(),
+            scratch: Vec::new(),
+        }
+    }
+}
+
+impl<'a, T: Element + Sample> Tiles<'a, '_, T>
+where
+    View<'a, T>: Into<AnyView<'a>>,
+    Pixels: From<Vec<T>>,
+    Numbers<T>: Number,
+{
+    /// Fills the pixels of a rectangle.
+    pub(super) fn singles(&self, rect: Rect, first: usize, out: &mut [T], room: &mut Room<T>) -> Result<()> {
+        let channels = self.pictures.channels();
+        for y in rect.y..rect.y + rect.h {
+            for x in rect.x..rect.x + rect.w {
+                let at = (y - first) * self.target.size[0] + x;
+                let out = &mut out[at * channels..][..channels];
+                self.single(y * self.target.size[0] + x, out, &mut room.points)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn single(&self, pixel: usize, out: &mut [T], room: &mut Points<T, Numbers<T>>) -> Result<()> {
+        let channels = self.pictures.channels();
+        let Some((d, dd)) = self.target.direction(pixel, DVec2::splat(0.5), 1.0) else {
+            out.copy_from_slice(self.pictures.border());
+            return Ok(());
+        };
+        let grid = if self.show == Show::Mean { self.grid_at(d, dd) } else { Grid::CENTRE };
+        let (size, frame) = self.pictures.level_size(grid.level);
+        let faces = if matches!(self.form, Form::Cube(_)) { 6 } else { 1 };
+        let views: Vec<View<'_, T>> =
+            (0..faces).map(|face| self.pictures.view(grid.level, face)).collect::<Result<_>>()?;
+        let (edges, border) = (self.pictures.edges(), self.pictures.border());
+        room.codes.clear();
+        room.fractions.clear();
+        let nearest = self.show == Show::Centre(Interpolation::Nearest);
+        let mut read = |d: DVec3| {
+            let (face, mapped) = self.spot(d, [DVec3::ZERO; 2]);
+            let uv = if faces == 1 { mapped.uv } else { (along(mapped.uv * 2.0 - 1.0, size.x) + 1.0) * 0.5 };
+            let place = uv * size + frame - if nearest { 0.0 } else { 0.5 };
+            let corner = place.floor();
+            let whole = if place.is_finite() { corner.to_array().map(|x| x as i64) } else { [i64::MIN; 2] };
+            let part = if place.is_finite() { place - corner } else { DVec2::ZERO };
+            let edges = if place.is_finite() { edges } else { [Edge::Border; 2] };
+            four(&views[face], whole.map(|x| x.clamp(-FAR, FAR)), edges, border, &mut room.codes);
+            room.fractions.push([Numbers::<T>::of(part.x), Numbers::<T>::of(part.y)]);
+        };
+        if grid == Grid::CENTRE {
+            read(d);
+        } else {
+            // Where a disc ends within the pixel, the part that is there.
+            let places = (0..grid.count()).filter_map(|k| self.target.direction(pixel, grid.place(k), 1.0));
+            let found = places.map(|(d, _)| read(d)).count();
+            if found == 0 {
+                read(d);
+            }
+        }
+        if nearest {
+            out.copy_from_slice(&room.codes[..channels]);
+            return Ok(());
+        }
+        room.numbers.resize(room.codes.len(), Numbers::<T>::default());
+        self.codec.decode_row(&room.codes, channels, &mut room.numbers);
+        mean(&room.numbers, &room.fractions, channels, &mut room.mean);
+        room.scratch.resize(channels, Numbers::<T>::default());
+        self.codec.encode_row(self.isa, &room.mean, channels, out, &mut room.scratch);
+        Ok(())
+    }
+
+    /// Where a direction leads: the picture, and the place in it.
+    fn spot(&self, d: DVec3, dd: Tangents) -> (usize, Mapped) {
+        if matches!(self.form, Form::Cube(_)) {
+            let face = Face::of(d);
+            (face.index(), face.project(d, dd))
+        } else {
+            (0, self.map.at(&SurfacePoint::new(d).moving(dd[0], dd[1])))
+        }
+    }
+
+    fn grid_at(&self, d: DVec3, dd: Tangents) -> Grid {
+        let mapped = self.spot(d, dd).1;
+        let size = self.pictures.size();
+        let shorter = DVec2::new(along_row(self.form, mapped.uv.y), 1.0);
+        // At most the whole picture.
+        let rows = mapped.jacobian.m.map(|row| row.map(|x| if x.is_nan() { 0.0 } else { x.clamp(-1.0, 1.0) }));
+        let column = |k: usize| DVec2::new(rows[0][k], rows[1][k]) * size * shorter;
+        Grid::of(std::iter::once([column(0), column(1)]), self.pictures.last_level())
+    }
+}
+
+/// Farther out than any picture.
+const FAR: i64 = 1 << 32;
+
+/// The mean of points, each between four texels.
+fn mean<R: Number>(numbers: &[R], fractions: &[[R; 2]], channels: usize, mean: &mut Vec<R>) {
+    let share = R::of(1.0 / fractions.len() as f64);
+    mean.clear();
+    for c in 0..channels {
+        let value = |k: usize| {
+            let at = |i: usize| numbers[(4 * k + i) * channels + c];
+            let [fx, fy] = fractions[k];
+            let left = at(0) + fy * (at(2) - at(0));
+            let right = at(1) + fy * (at(3) - at(1));
+            left + fx * (right - left)
+        };
+        // Sums of differences: equal values give exactly that.
+        let base = value(0);
+        let sum = (1..fractions.len()).fold(R::default(), |sum, k| sum + (value(k) - base));
+        mean.push(base + sum * share);
+    }
+}
