@@ -207,10 +207,12 @@ pub(super) fn normalized(q: DVec3, du: DVec3, dv: DVec3, center: DVec3) -> Inver
 }
 
 impl Mapping for Cube {
+    #[inline]
     fn at(&self, point: &SurfacePoint) -> Mapped {
         self.face_at(point).map_or(Mapped::NOWHERE, |(face, st)| self.place(face, st))
     }
 
+    #[inline]
     fn inverse_at(&self, uv: DVec2) -> Option<Inverted> {
         if !(0.0..=1.0).contains(&uv.x) || !(0.0..=1.0).contains(&uv.y) {
             return None;

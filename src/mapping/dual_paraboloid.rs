@@ -21,6 +21,7 @@ use glam::{DVec2, DVec3};
 pub struct DualParaboloid;
 
 impl Mapping for DualParaboloid {
+    #[inline]
     fn at(&self, point: &SurfacePoint) -> Mapped {
         let Some((d, dd)) = scaled(point.p, point.dp) else { return Mapped::NOWHERE };
         let (side, offset) = if d.z >= 0.0 { (1.0, 0.0) } else { (-1.0, 0.5) };
@@ -38,6 +39,7 @@ impl Mapping for DualParaboloid {
     }
 
     /// The direction inside either disc.
+    #[inline]
     fn inverse_at(&self, uv: DVec2) -> Option<Inverted> {
         if !uv.is_finite() {
             return None;

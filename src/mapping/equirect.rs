@@ -11,9 +11,11 @@
 //!         u = 0    ¼      ½      ¾       1   seam: backward
 //! ```
 
-use super::spherical::{polar, unpolar};
+use super::frame::scaled;
+use super::spherical::{in_turns, polar, unpolar};
 use super::{Axis, Inverted, Mapped, Mapping, SurfacePoint};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
 
 /// Direction to panorama, forward at the centre of the picture.
 ///
@@ -29,18 +31,30 @@ use glam::DVec2;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Equirect;
 
+/// Turns from backward from turns from forward.
+#[inline]
+fn from_forward(u: f64) -> f64 {
+    let u = if u >= 0.5 { u - 0.5 } else { u + 0.5 };
+    if u >= 1.0 { 0.0 } else { u }
+}
+
 impl Mapping for Equirect {
+    #[inline]
     fn at(&self, point: &SurfacePoint) -> Mapped {
         let local = |v| Axis::Y.to_local(v);
         let mut mapped = polar(local(point.p), point.dp.map(local));
-        let u = mapped.uv.x;
-        mapped.uv.x = if u >= 0.5 { u - 0.5 } else { u + 0.5 };
-        if mapped.uv.x >= 1.0 {
-            mapped.uv.x = 0.0;
-        }
+        mapped.uv.x = from_forward(mapped.uv.x);
         mapped
     }
 
+    #[inline]
+    fn place(&self, point: DVec3) -> DVec2 {
+        let Some((d, _)) = scaled(Axis::Y.to_local(point), [DVec3::ZERO; 2]) else { return DVec2::NAN };
+        let u = in_turns(d.y.atan2(d.x));
+        DVec2::new(from_forward(u), (d.x * d.x + d.y * d.y).sqrt().atan2(d.z) / PI)
+    }
+
+    #[inline]
     fn inverse_at(&self, uv: DVec2) -> Option<Inverted> {
         unpolar(uv - DVec2::new(0.5, 0.0)).map(|i| Inverted {
             p: Axis::Y.to_world(i.p),

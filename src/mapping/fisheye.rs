@@ -87,11 +87,13 @@ impl Radial for Fisheye {
 }
 
 impl Mapping for Fisheye {
+    #[inline]
     fn at(&self, point: &SurfacePoint) -> Mapped {
         project(self, point.p, point.dp)
     }
 
     /// The direction inside the disc; the corners of the picture have none.
+    #[inline]
     fn inverse_at(&self, uv: DVec2) -> Option<Inverted> {
         unproject(self, uv)
     }

@@ -33,10 +33,12 @@ impl Radial for LightProbe {
 }
 
 impl Mapping for LightProbe {
+    #[inline]
     fn at(&self, point: &SurfacePoint) -> Mapped {
         project(self, point.p, point.dp)
     }
 
+    #[inline]
     fn inverse_at(&self, uv: DVec2) -> Option<Inverted> {
         unproject(self, uv)
     }

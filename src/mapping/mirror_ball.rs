@@ -26,10 +26,12 @@ pub struct MirrorBall;
 const BACK: DVec3 = DVec3::new(1.0, 1.0, -1.0);
 
 impl Mapping for MirrorBall {
+    #[inline]
     fn at(&self, point: &SurfacePoint) -> Mapped {
         project(&SphereMap, point.p * BACK, point.dp.map(|d| d * BACK))
     }
 
+    #[inline]
     fn inverse_at(&self, uv: DVec2) -> Option<Inverted> {
         unproject(&SphereMap, uv).map(|i| Inverted { p: i.p * BACK, du: i.du * BACK, dv: i.dv * BACK })
     }

@@ -148,6 +148,16 @@ pub trait Mapping: Send + Sync {
         None
     }
 
+    /// (u, v) alone.
+    fn place(&self, point: DVec3) -> DVec2 {
+        self.at(&SurfacePoint::new(point)).uv
+    }
+
+    /// The point or direction of [`Mapping::inverse_at`] alone.
+    fn unplace(&self, uv: DVec2) -> Option<DVec3> {
+        self.inverse_at(uv).map(|found| found.p)
+    }
+
     /// Whether [`Mapping::inverse_at`] ever answers.
     fn has_inverse(&self) -> bool {
         false

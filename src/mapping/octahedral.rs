@@ -29,6 +29,7 @@ fn sign(x: f64) -> f64 {
 }
 
 impl Mapping for Octahedral {
+    #[inline]
     fn at(&self, point: &SurfacePoint) -> Mapped {
         let Some((d, dd)) = scaled(point.p, point.dp) else { return Mapped::NOWHERE };
         let s = DVec3::new(sign(d.x), sign(d.y), sign(d.z));
@@ -47,6 +48,7 @@ impl Mapping for Octahedral {
         Mapped::new(q * half + 0.5, [dx.x, dy.x], [dx.y, dy.y])
     }
 
+    #[inline]
     fn inverse_at(&self, uv: DVec2) -> Option<Inverted> {
         if !(0.0..=1.0).contains(&uv.x) || !(0.0..=1.0).contains(&uv.y) {
             return None;

@@ -37,6 +37,7 @@ impl Perspective {
 }
 
 impl Mapping for Perspective {
+    #[inline]
     fn at(&self, point: &SurfacePoint) -> Mapped {
         let Some((d, dd)) = scaled(point.p, point.dp) else { return Mapped::NOWHERE };
         if d.z <= 0.0 {
@@ -47,6 +48,7 @@ impl Mapping for Perspective {
         Mapped::new(q / self.half * 0.5 + 0.5, [dx.x, dy.x], [dx.y, dy.y])
     }
 
+    #[inline]
     fn inverse_at(&self, uv: DVec2) -> Option<Inverted> {
         let q = (uv * 2.0 - 1.0) * self.half;
         if !q.is_finite() {

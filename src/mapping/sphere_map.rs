@@ -25,10 +25,12 @@ impl Radial for SphereMap {
 }
 
 impl Mapping for SphereMap {
+    #[inline]
     fn at(&self, point: &SurfacePoint) -> Mapped {
         project(self, point.p, point.dp)
     }
 
+    #[inline]
     fn inverse_at(&self, uv: DVec2) -> Option<Inverted> {
         unproject(self, uv)
     }

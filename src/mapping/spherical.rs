@@ -53,6 +53,15 @@ impl Spherical {
     }
 }
 
+/// An angle from -π to π as turns in [0, 1).
+#[inline]
+pub(super) fn in_turns(angle: f64) -> f64 {
+    let u = angle / TAU;
+    let u = if u < 0.0 { u + 1.0 } else { u };
+    // A tiny negative angle rounds to a whole turn; -0 is 0.
+    if u >= 1.0 { 0.0 } else { u + 0.0 }
+}
+
 /// The angle of (x, y) in turns, in [0, 1), and its tangents; on the axis 0, unbounded where the point moves.
 #[inline]
 pub(super) fn turns(p: DVec2, dp: [DVec2; 2]) -> (f64, [f64; 2]) {
@@ -61,10 +70,7 @@ pub(super) fn turns(p: DVec2, dp: [DVec2; 2]) -> (f64, [f64; 2]) {
         return (0.0, dp.map(|d| if d == DVec2::ZERO { 0.0 } else { f64::INFINITY }));
     }
     let e = DVec2::new(p.x / rho, p.y / rho);
-    let u = p.y.atan2(p.x) / TAU;
-    let u = if u < 0.0 { u + 1.0 } else { u };
-    // A tiny negative angle rounds to a whole turn; -0 is 0.
-    let u = if u >= 1.0 { 0.0 } else { u + 0.0 };
+    let u = in_turns(p.y.atan2(p.x));
     (u, dp.map(|d| (e.x * d.y - e.y * d.x) / rho / TAU))
 }
 

@@ -49,10 +49,12 @@ impl Radial for Stereographic {
 }
 
 impl Mapping for Stereographic {
+    #[inline]
     fn at(&self, point: &SurfacePoint) -> Mapped {
         project(self, point.p, point.dp)
     }
 
+    #[inline]
     fn inverse_at(&self, uv: DVec2) -> Option<Inverted> {
         unproject(self, uv)
     }

@@ -12,6 +12,9 @@
 //! so do the isotropic mipmap filters, which follow footprints up to [`STRETCH`] widths long, because that is how long a
 //! round one becomes on a face; `ewa` its Gaussian; the means over the footprint (`area`, `exact`, `sat`, `stochastic`,
 //! `auto`) are a grid of up to [`MOST`] probes a side, two a texel.
+//!
+//! Two faces see one footprint at different stretches, so each would lay its line or grid of probes differently. Around an
+//! edge the lines and grids of both are mixed, half and half on the edge itself ([`Box6::spots`]), and nothing turns there.
 
 use super::{Look, NOWHERE, Read, finite};
 use crate::error::{Error, Result};
@@ -20,7 +23,7 @@ use crate::footprint::Bend;
 use crate::image::{AnyView, View, for_any};
 use crate::jacobian::Axes;
 use crate::lod;
-use crate::mapping::{Cube, Face, Layout, SurfacePoint, Tangents};
+use crate::mapping::{Cube, Face, Layout, Mapped, SurfacePoint, Tangents};
 use crate::num::log2;
 use crate::sampler::Sampler;
 use crate::texture::{Texture, TextureOptions, matched_faces};
@@ -30,6 +33,8 @@ use glam::{DVec2, DVec3};
 const MOST: f64 = 32.0;
 /// Texels a side of a grid on the level that it reads, at most.
 const SIDE: f64 = 8.0;
+/// Share of half a face within which the probes of neighbours are mixed in, at most.
+const MIXED: f64 = 0.75;
 /// How far past a face its neighbours are looked for, in faces.
 const STEP: f64 = 1e-9;
 /// Half the width of the ellipse of `ewa` in pixels, and where its weights end.
@@ -86,11 +91,15 @@ impl Box6 {
 
     fn spot(&self, d: DVec3, dd: Tangents) -> Option<Spot> {
         let (face, mapped) = self.cube.face_at(&SurfacePoint::new(d).moving(dd[0], dd[1]))?;
+        Some(self.spot_on(face, mapped))
+    }
+
+    fn spot_on(&self, face: Face, mapped: Mapped) -> Spot {
         let (s, t) = (mapped.uv.x * self.n, mapped.uv.y * self.n);
         let jacobian_tx = mapped.jacobian.scaled(self.n, self.n);
         let from_edge = s.min(self.n - s).min(t).min(self.n - t);
         let query = Query { s, t, jacobian_tx, index: 0, bend: Bend::None };
-        Some(Spot { face: face.index(), query, from_edge, axes: jacobian_tx.axes() })
+        Spot { face: face.index(), query, from_edge, axes: jacobian_tx.axes() }
     }
 
     /// The look-ups of a unit direction and its tangents.
@@ -103,17 +112,19 @@ impl Box6 {
         let read = if isotropic { Read::Line(spot.face) } else { Read::Own(spot.face) };
         let own = |weight: f64| Look { read, query: spot.query, weight };
         let grown = f64::from(sampler.lod_bias).exp2();
+        let nearest = d.abs().max_element();
+        // A face stretches by no more than the square of the distance to its plane; the same on both sides of an edge.
+        let reach = self.n * dd[0].length().hypot(dd[1].length()) * grown / (nearest * nearest) + 2.0;
         // What a filter reads around the place, in texels.
         let margin = match sampler.filter {
             Filter::Nearest | Filter::NearestMipmapNearest | Filter::NearestMipmapLinear => 0.0,
             Filter::Bilinear => 0.5,
             Filter::Bicubic | Filter::Mitchell => 1.5,
-            _ => 2.0 * spot.axes.sigma1 * grown + 2.0,
+            _ => reach,
         };
         if spot.from_edge >= margin {
             return looks.push(own(1.0));
         }
-        let sigma1 = spot.axes.sigma1 * grown;
         match sampler.filter {
             Filter::Bicubic | Filter::Mitchell => {
                 // Sharp inside, bilinear where one row of neighbours is all there is.
@@ -126,19 +137,44 @@ impl Box6 {
             Filter::Bilinear => self.probe(d, 0.0, 1.0, looks),
             Filter::LinearMipmapNearest | Filter::Trilinear => {
                 let sampler = Sampler { max_anisotropy: STRETCH, ..*sampler };
-                self.line(&sampler, d, dd, &spot, looks);
+                self.spots(d, dd, reach, |spot, share| self.line(&sampler, d, dd, spot, share, looks));
             }
-            Filter::Anisotropic => self.line(sampler, d, dd, &spot, looks),
-            Filter::Ewa => self.grid(d, dd, &spot, grown, true, 1.0, looks),
-            Filter::Auto if sigma1 < FULL && sampler.tolerance.is_none() => {
-                let x = ((sigma1 - 1.0) / (FULL - 1.0)).clamp(0.0, 1.0);
-                let share = x * x * (3.0 - 2.0 * x);
-                self.probe(d, 0.0, 1.0 - share, looks);
-                if share > 0.0 {
-                    self.grid(d, dd, &spot, grown, false, share, looks);
-                }
+            Filter::Anisotropic => {
+                self.spots(d, dd, reach, |spot, share| self.line(sampler, d, dd, spot, share, looks));
             }
-            _ => self.grid(d, dd, &spot, grown, false, 1.0, looks),
+            Filter::Auto if sampler.tolerance.is_none() => {
+                self.spots(d, dd, reach, |spot, share| {
+                    let x = ((spot.axes.sigma1 * grown - 1.0) / (FULL - 1.0)).clamp(0.0, 1.0);
+                    let full = x * x * (3.0 - 2.0 * x);
+                    if full < 1.0 {
+                        self.probe(d, 0.0, (1.0 - full) * share, looks);
+                    }
+                    if full > 0.0 {
+                        self.grid(d, dd, spot, grown, false, full * share, looks);
+                    }
+                });
+            }
+            filter => self.spots(d, dd, reach, |spot, share| {
+                self.grid(d, dd, spot, grown, filter == Filter::Ewa, share, looks);
+            }),
+        }
+    }
+
+    /// The footprint on the faces that lie within `reach` texels, each with its share: all of it far from edges, a half on an
+    /// edge, a third in a corner.
+    fn spots(&self, d: DVec3, dd: Tangents, reach: f64, mut look: impl FnMut(&Spot, f64)) {
+        let reach = reach.min(MIXED * 0.5 * self.n);
+        let nearest = d.abs().max_element();
+        let nearness = |face: Face| {
+            let beyond = 0.5 * self.n * (1.0 - face.frame()[2].dot(d) / nearest);
+            (1.0 - beyond / reach).max(0.0)
+        };
+        let total: f64 = Face::ALL.into_iter().map(nearness).sum();
+        for face in Face::ALL {
+            let share = nearness(face) / total;
+            if share > 0.0 {
+                look(&self.spot_on(face, face.project(d, dd)), share);
+            }
         }
     }
 
@@ -166,13 +202,21 @@ impl Box6 {
     }
 
     /// The probes of the anisotropic filter, each where its direction leads.
-    fn line(&self, sampler: &Sampler, d: DVec3, dd: Tangents, spot: &Spot, looks: &mut Vec<Look>) {
+    fn line(
+        &self,
+        sampler: &Sampler,
+        d: DVec3,
+        dd: Tangents,
+        spot: &Spot,
+        share: f64,
+        looks: &mut Vec<Look>,
+    ) {
         let Axes { sigma1, sigma2, major } = spot.axes;
         let width = sigma2.max(sigma1 / sampler.max_anisotropy.min(1024.0));
         let lod = log2(width as f32) + sampler.lod_bias;
         let ratio = sigma1 / width;
         if sigma1 <= 1.0 || ratio.is_nan() || ratio <= 1.0 {
-            return self.probe(d, lod, 1.0, looks);
+            return self.probe(d, lod, share, looks);
         }
         let half = ((ratio - 1.0) / 2.0).ceil();
         let weight = |i: f64| (0.5 * ratio + 0.5 - i.abs()).clamp(0.0, 1.0);
@@ -180,7 +224,7 @@ impl Box6 {
         let second_moment =
             inner * (inner + 1.0) * (2.0 * inner + 1.0) / 3.0 + 2.0 * weight(half) * half * half;
         if second_moment == 0.0 {
-            return self.probe(d, lod, 1.0, looks);
+            return self.probe(d, lod, share, looks);
         }
         let spacing = ((ratio * ratio - 1.0) / 12.0 / (second_moment / ratio)).sqrt() / ratio;
         // What the whole major axis adds to the direction: the pixel's direction that the Jacobian stretches most.
@@ -190,7 +234,7 @@ impl Box6 {
         let mut i = -half;
         while i <= half {
             if weight(i) > 0.0 {
-                self.probe(d + step * i, lod, weight(i) / ratio, looks);
+                self.probe(d + step * i, lod, share * weight(i) / ratio, looks);
             }
             i += 1.0;
         }

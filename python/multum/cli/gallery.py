@@ -15,7 +15,7 @@ def add(commands: "Commands") -> None:
         "gallery",
         help="draw every mapping function on a sphere, a cylinder, a cube, a torus and a mesh",
         description="Draw every mapping function on five shapes, as a checkerboard and as heat maps of how it "
-        "stretches areas and angles, and a page to look at them. Needs matplotlib.",
+        "stretches areas and angles, the places where maps fail, and a page to look at them. Needs matplotlib.",
     )
     command.set_defaults(run=run)
     command.add_argument(
@@ -24,7 +24,7 @@ def add(commands: "Commands") -> None:
     command.add_argument(
         "--size", type=int, default=160, metavar="N", help="side of a picture (default: 160)"
     )
-    command.add_argument("--only", nargs="+", metavar="NAME", help="some of the maps, by name")
+    command.add_argument("--only", nargs="+", metavar="NAME", help="some of the sheets, by name")
     command.add_argument("--mesh", metavar="FILE", help="glTF or OBJ for the last column")
 
 
@@ -32,6 +32,6 @@ def run(options: argparse.Namespace) -> None:
     """Do it."""
     from .. import gallery
 
-    with Progress(len(options.only or gallery.MAPS)) as progress:
+    with Progress(len(options.only or [*gallery.MAPS, *gallery.FAILURES])) as progress:
         figures = gallery.make(options.out, options.size, options.only, options.mesh, progress.step)
     print(f"{options.out}: {len(figures)} sheet{'s'[: len(figures) > 1]} and index.html")

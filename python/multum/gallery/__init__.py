@@ -1,4 +1,4 @@
-"""The gallery behind ``multum gallery``: every map on every shape, as checkerboards and heat maps."""
+"""The gallery behind ``multum gallery``: every map on every shape, and where maps fail."""
 
 import os
 from collections.abc import Callable, Iterator, Sequence
@@ -10,11 +10,12 @@ from .._mesh import Mesh
 from ..demo.draw import sheet
 from ..demo.figure import Figure, Panel
 from ..demo.page import page
+from .failures import FAILURES
 from .maps import MAPS, Shown
-from .paint import paint, stretch
+from .paint import FINER, paint, stretch
 from .shapes import Shape, of_mesh, shapes
 
-__all__ = ["MAPS", "make"]
+__all__ = ["FAILURES", "MAPS", "make"]
 
 
 def make(
@@ -24,7 +25,7 @@ def make(
     mesh: str | os.PathLike[str] | None = None,
     tell: Callable[[str], None] = lambda name: None,
 ) -> list[Figure]:
-    """Draw every map on a sphere, a cylinder, a cube, a torus and a mesh, and ``index.html``, in a folder.
+    """Draw every map on a sphere, a cylinder, a cube, a torus and a mesh, where maps fail, and ``index.html``.
 
     Parameters
     ----------
@@ -33,11 +34,11 @@ def make(
     size : int
         Side of a picture in pixels, 32 to 1024.
     only : sequence of str, optional
-        Names of :data:`MAPS`; default all.
+        Names of :data:`MAPS` and :data:`FAILURES`; default all.
     mesh : path, optional
         A glTF or OBJ file for the last column; default a rock made by a formula.
     tell : callable
-        Gets the name of each map before it is drawn.
+        Gets the name of each sheet before it is drawn.
 
     Raises
     ------
@@ -46,10 +47,11 @@ def make(
     """
     if not 32 <= size <= 1024:
         raise ValueError(f"size: got {size}, expected 32 to 1024")
-    names = list(MAPS) if only is None else list(only)
+    known = [*MAPS, *FAILURES]
+    names = known if only is None else list(only)
     for name in names:
-        if name not in MAPS:
-            raise ValueError(f"only: got {name!r}, expected names of {', '.join(MAPS)}")
+        if name not in known:
+            raise ValueError(f"only: got {name!r}, expected names of {', '.join(known)}")
     columns = dict(shapes())
     if mesh is not None:
         del columns["rock"]
@@ -59,7 +61,7 @@ def make(
     figures = []
     for name in names:
         tell(name)
-        figure = _figure(name, MAPS[name], columns, size)
+        figure = FAILURES[name](size) if name in FAILURES else _figure(name, MAPS[name], columns, size)
         write_image(folder / f"{name}.png", sheet(figure))
         figures.append(figure)
     about = (
@@ -77,7 +79,7 @@ def _figure(name: str, shown: Shown, columns: dict[str, Shape], size: int) -> Fi
 
 
 def _rows(shown: Shown, columns: dict[str, Shape], size: int) -> Iterator[list[Panel]]:
-    views = {name: shape.seen(size) for name, shape in columns.items()}
+    views = {name: shape.seen(FINER * size) for name, shape in columns.items()}
     for label, mapping in shown.maps.items():
         yield [
             Panel(paint(mapping, view), name, label if i == 0 else "")

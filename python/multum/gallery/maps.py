@@ -12,12 +12,15 @@ from .shapes import EYE, View
 Array = NDArray[np.float64]
 Answer = tuple[Array, Array]
 Applied = Callable[[View], Answer]
+Vector = tuple[float, float, float]
 
 _BOX = ((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0))
 #: From the shapes' frame (z up) to that of directions (x right, y up, z forward), forward away from the eye.
 _FORWARD = -np.array(EYE) / np.linalg.norm(EYE)
 _RIGHT = np.cross(_FORWARD, [0.0, 0.0, 1.0]) / np.linalg.norm(np.cross(_FORWARD, [0.0, 0.0, 1.0]))
 _FRAME = np.stack([_RIGHT, np.cross(_RIGHT, _FORWARD), _FORWARD])
+#: The same with forward towards the eye, for maps that do not see all directions.
+_FACING = np.array([[-1.0], [1.0], [-1.0]]) * _FRAME
 
 
 @dataclass(frozen=True)
@@ -38,11 +41,11 @@ def of_points(m: mapping.Mapping) -> Applied:
     return apply
 
 
-def of_directions(m: mapping.Mapping) -> Applied:
+def of_directions(m: mapping.Mapping, frame: Array = _FRAME) -> Applied:
     """A map of directions: the point as seen from the middle of the shape."""
 
     def apply(view: View) -> Answer:
-        point, dpdx, dpdy = (a @ _FRAME.T for a in (view.point, view.dpdx, view.dpdy))
+        point, dpdx, dpdy = (a @ frame.T for a in (view.point, view.dpdx, view.dpdy))
         uv, jacobian = m(point, dpdx=dpdx, dpdy=dpdy)
         return uv, jacobian
 
@@ -65,10 +68,11 @@ def _two_stage(intermediate: str, projection: str) -> Applied:
     return of_points(mapping.TwoStage(intermediate, projection, eye=EYE, radius=1.5, height=height))
 
 
-def _projector() -> mapping.Mapping:
-    """A slide projector above and to the right."""
-    place = np.array([2.0, -1.0, 2.5])
-    forward = -place / np.linalg.norm(place)
+def projector_matrix(place: Vector, target: Vector) -> Array:
+    """From points to the picture of a projector at ``place`` that shines at ``target``, z upwards."""
+    at = np.array(place)
+    forward = np.array(target) - at
+    forward /= np.linalg.norm(forward)
     right = np.cross(forward, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)
     down = np.cross(forward, right)
@@ -76,11 +80,12 @@ def _projector() -> mapping.Mapping:
     for k, axis in enumerate((right, down)):
         rows[k, :3] = 1.8 * axis + 0.5 * forward
     rows[2, :3] = rows[3, :3] = forward
-    rows[:, 3] = -rows[:, :3] @ place
-    return mapping.Projective(rows, back_faces=False)
+    rows[:, 3] = -rows[:, :3] @ at
+    return rows
 
 
 _PROJECTIONS = ("centroid", "object_normal", "intermediate_normal", "reflected_ray")
+_slides = projector_matrix((2.0, -1.0, 2.5), (0.0, 0.0, 0.0))
 _planar = of_points(mapping.Planar("y", _BOX))
 _spherical = of_points(mapping.Spherical())
 
@@ -123,7 +128,7 @@ MAPS: dict[str, Shown] = {
     "projective": Shown(
         "Projective",
         "A slide projector: back faces and what lies behind it have no answer.",
-        {"": of_points(_projector())},
+        {"": of_points(mapping.Projective(_slides, back_faces=False))},
     ),
     "polygon": Shown(
         "Polygon",
@@ -184,22 +189,28 @@ MAPS: dict[str, Shown] = {
                 "The octahedron unfolded: finite everywhere, folded along eight edges.",
                 mapping.Octahedral(),
             ),
+        )
+    },
+    **{
+        name: Shown(title, text, {"": of_directions(m, _FACING)})
+        for name, title, text, m in (
             (
                 "stereographic",
                 "Stereographic",
-                "Keeps angles: the heat map of angles is flat.",
+                "Keeps angles, forward towards the eye: the heat map of angles is flat on the sphere.",
                 mapping.Stereographic(300),
             ),
             (
                 "fisheye",
                 "Fisheye",
-                "Equal solid angles, equal areas; nothing past 200 degrees.",
-                mapping.Fisheye("equisolid", 200),
+                "Equal solid angles, equal areas; 120 degrees around the eye's direction, nothing past them.",
+                mapping.Fisheye("equisolid", 120),
             ),
             (
                 "perspective",
                 "Perspective",
-                "A pinhole camera in the middle of the shape: half the directions have no answer.",
+                "A pinhole camera in the middle of the shape that looks at the eye, 100 degrees across: past its "
+                "picture coordinates leave [0, 1], behind it there are none.",
                 mapping.Perspective(100),
             ),
         )

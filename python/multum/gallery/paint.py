@@ -10,6 +10,8 @@ from .shapes import View
 Codes = NDArray[np.uint8]
 
 CELLS = 10
+#: Views are so many times finer than pictures.
+FINER = 2
 _LIGHT = np.array([0.75, -0.35, 0.56])
 _AROUND = 247
 _NO_ANSWER = 0.55
@@ -22,8 +24,11 @@ def _shade(view: View) -> NDArray[np.float64]:
 
 
 def _finished(colour: NDArray[np.float64], view: View) -> Codes:
-    picture = np.floor(np.clip(colour, 0, 1) * 255 + 0.5)
-    return np.where(view.inside[..., None], picture, _AROUND).astype(np.uint8)
+    """Codes, squares of pixels averaged into one, for the outlines."""
+    fine = np.where(view.inside[..., None], np.clip(colour, 0, 1) * 255, _AROUND)
+    height, width = (n // FINER for n in fine.shape[:2])
+    picture = fine.reshape(height, FINER, width, FINER, 3).mean((1, 3))
+    return np.asarray(np.floor(picture + 0.5).astype(np.uint8))
 
 
 def paint(applied: Applied, view: View) -> Codes:

@@ -24,6 +24,7 @@ mod avx2;
 mod avx512;
 #[cfg(target_arch = "x86_64")]
 mod block;
+mod boxes;
 mod coords;
 #[cfg(target_arch = "x86_64")]
 mod copy;
@@ -34,6 +35,7 @@ mod scalar;
 mod tests;
 mod weights;
 
+pub use boxes::{Boxes, box_numbers, boxes};
 pub use coords::{Buffer, CHUNK, Grid};
 pub use lerp::{Lerp, Scaled, nearest, within};
 pub use sample::{Real, Sample};

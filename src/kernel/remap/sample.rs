@@ -1,5 +1,6 @@
 //! Element types that can be interpolated, and how a sum becomes an element again.
 
+use super::boxes::{self, Out, Taps};
 use super::{Job, Points};
 use crate::kernel::Isa;
 use half::f16;
@@ -60,6 +61,10 @@ pub trait Sample: Copy + Default + Send + Sync + 'static {
     fn vector(_isa: Isa, _job: &Job<'_, Self>, _points: &Points<'_, Self::Acc>, _out: &mut [Self]) -> bool {
         false
     }
+    /// Means over the first `n` boxes of a chunk.
+    fn boxes(isa: Isa, job: &Job<'_, Self>, taps: &Taps, n: usize, out: Out<'_, Self>) {
+        boxes::numbers(isa, job, taps, n, out);
+    }
 }
 
 /// 1.5 * 2^23: adding it to a number below 2^22 in size leaves the nearest integer, ties to even, in the
@@ -67,7 +72,7 @@ pub trait Sample: Copy + Default + Send + Sync + 'static {
 const ROUND: f32 = 12_582_912.0;
 
 macro_rules! integer_sample {
-    ($type:ty $(, $vector:path)?) => {
+    ($type:ty $(, $vector:path $(, $boxes:path)?)?) => {
         impl Sample for $type {
             type Acc = f32;
             #[inline(always)]
@@ -82,12 +87,15 @@ macro_rules! integer_sample {
             }
             $(fn vector(isa: Isa, job: &Job<'_, Self>, points: &Points<'_, f32>, out: &mut [Self]) -> bool {
                 $vector(isa, job, points, out)
-            })?
+            }
+            $(fn boxes(isa: Isa, job: &Job<'_, Self>, taps: &Taps, n: usize, out: Out<'_, Self>) {
+                $boxes(isa, job, taps, n, out);
+            })?)?
         }
     };
 }
 
-integer_sample!(u8, super::vector_u8);
+integer_sample!(u8, super::vector_u8, boxes::bytes);
 integer_sample!(u16, super::vector_u16);
 integer_sample!(i16);
 

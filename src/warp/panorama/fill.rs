@@ -5,15 +5,20 @@
 
 use super::Numbers;
 use super::chart::Line;
-use super::grid::Grid;
+use super::grid::{Grid, Parts, half_sides};
 use super::piece::{Number, Span, gather};
 use super::tile::{Rect, Room, Sheet, Show, Tiles};
 use crate::error::Result;
 use crate::image::{AnyView, Element, Pixels, View};
-use crate::kernel::remap::{Interpolation, Job, Outside, Points, Real, Sample, Source, remap};
+use crate::kernel::remap::{
+    Boxes, Interpolation, Job, Outside, Points, Real, Sample, Source, box_numbers, boxes, remap,
+};
 use crate::kernel::{Work, compiled_for};
 use crate::sphere::along;
 use glam::DVec2;
+
+/// Texels that boxes read beyond their middles.
+const BEYOND: f64 = 1.0;
 
 /// Places of a row's points, and the pictures they lie in.
 #[derive(Default)]
@@ -23,16 +28,41 @@ pub(super) struct Places {
     face: Vec<u8>,
 }
 
-/// What a row's points read, and their means.
+/// What a row's points and boxes read, and their means.
 pub(super) struct Values<S: Sample> {
     points: Vec<S>,
+    numbers: Vec<S::Acc>,
     sums: Vec<S::Acc>,
     means: Vec<S>,
 }
 
 impl<S: Sample> Values<S> {
     pub fn new() -> Self {
-        Self { points: Vec::new(), sums: Vec::new(), means: Vec::new() }
+        Self { points: Vec::new(), numbers: Vec::new(), sums: Vec::new(), means: Vec::new() }
+    }
+}
+
+/// What pixels are taken apart into.
+#[derive(Clone, Copy)]
+enum Cover {
+    Points(Grid),
+    Boxes(Parts),
+}
+
+impl Cover {
+    fn level(self) -> usize {
+        match self {
+            Self::Points(grid) => grid.level,
+            Self::Boxes(parts) => parts.level,
+        }
+    }
+
+    /// How many rows of places there are at a time.
+    fn count(self) -> usize {
+        match self {
+            Self::Points(grid) => grid.count(),
+            Self::Boxes(_) => 1,
+        }
     }
 }
 
@@ -57,7 +87,11 @@ where
         room: &mut Room<T>,
     ) -> Result<()> {
         let channels = self.pictures.channels();
-        let grid = self.grid(rect, &sheets[0]);
+        let cover = match self.show {
+            Show::Mean if sheets.len() == 1 && !sheets[0].edge => Cover::Boxes(self.parts(rect, &sheets[0])),
+            _ => Cover::Points(self.grid(rect, &sheets[0])),
+        };
+        let level = cover.level();
         let interpolation = match self.show {
             Show::Mean => Interpolation::Bilinear,
             Show::Centre(interpolation) => interpolation,
@@ -69,22 +103,23 @@ where
         };
         if self.is_plain || interpolation == Interpolation::Nearest {
             let page = |sheet: &Sheet| {
-                let job = self.pictures.job(grid.level, sheet.face, interpolation)?;
+                let job = self.pictures.job(level, sheet.face, interpolation)?;
                 Ok(Page { job, origin: DVec2::ZERO })
             };
             let pages: Vec<_> = sheets.iter().map(page).collect::<Result<_>>()?;
-            return self.rows(rect, sheets, grid, &pages, &mut room.places, &mut room.codes, |y, means| {
+            return self.rows(rect, sheets, cover, &pages, &mut room.places, &mut room.codes, |y, means| {
                 out[row(y)].copy_from_slice(means);
             });
         }
         let edges = self.pictures.edges();
         room.pieces.resize_with(sheets.len().max(room.pieces.len()), Vec::new);
         let mut spans = Vec::with_capacity(sheets.len());
-        let (scale, offset) = self.to_level(grid.level);
+        let (scale, offset) = self.to_level(level);
         for (sheet, piece) in sheets.iter().zip(&mut room.pieces) {
-            let view = self.pictures.view(grid.level, sheet.face)?;
+            let view = self.pictures.view(level, sheet.face)?;
             let [middle, half] = sheet.chart.bounds();
-            let (low, high) = ((middle - half) * scale + offset, (middle + half) * scale + offset);
+            let reach = half * scale + BEYOND;
+            let (low, high) = (middle * scale + offset - reach, middle * scale + offset + reach);
             let span = [
                 Span::of([low.x, high.x], edges[0], view.width()),
                 Span::of([low.y, high.y], edges[1], view.height()),
@@ -103,7 +138,7 @@ where
         }
         let scratch = &mut room.scratch;
         scratch.resize(rect.w * channels, Numbers::<T>::default());
-        self.rows(rect, sheets, grid, &pages, &mut room.places, &mut room.numbers, |y, means| {
+        self.rows(rect, sheets, cover, &pages, &mut room.places, &mut room.numbers, |y, means| {
             self.codec.encode_row(self.isa, means, channels, &mut out[row(y)], scratch);
         })
     }
@@ -116,7 +151,79 @@ where
 
     /// Means of the rows of a rectangle.
     #[expect(clippy::too_many_arguments, reason = "one call for codes and numbers")]
-    fn rows<S: Sample>(
+    fn rows<S: Sample<Acc = Numbers<T>>>(
+        &self,
+        rect: Rect,
+        sheets: &[Sheet],
+        cover: Cover,
+        pages: &[Page<'_, S>],
+        places: &mut Places,
+        values: &mut Values<S>,
+        put: impl FnMut(usize, &[S]),
+    ) -> Result<()> {
+        let points = cover.count() * rect.w;
+        places.x.resize(points * sheets.len(), 0.0);
+        places.y.resize(points * sheets.len(), 0.0);
+        let len = rect.w * self.pictures.channels();
+        values.sums.resize(len, S::Acc::default());
+        values.means.resize(len, S::default());
+        match cover {
+            Cover::Boxes(parts) => self.boxes(rect, &sheets[0], parts, &pages[0], places, values, put),
+            Cover::Points(grid) => self.points(rect, sheets, grid, pages, places, values, put),
+        }
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "one call for codes and numbers")]
+    fn boxes<S: Sample<Acc = Numbers<T>>>(
+        &self,
+        rect: Rect,
+        sheet: &Sheet,
+        parts: Parts,
+        page: &Page<'_, S>,
+        places: &mut Places,
+        values: &mut Values<S>,
+        mut put: impl FnMut(usize, &[S]),
+    ) -> Result<()> {
+        let (scale, offset) = self.to_level(parts.level);
+        let offset = offset - page.origin;
+        let [nx, ny] = parts.count;
+        // At both ends of the first and the last row; between them halves are drawn by lines.
+        let half = |x: f64, y: f64| {
+            let [right, down] = sheet.chart.footprint(rect, DVec2::new(x, y));
+            half_sides([right * scale / nx as f64, down * scale / ny as f64])
+        };
+        let ends = [[half(-1.0, -1.0), half(1.0, -1.0)], [half(-1.0, 1.0), half(1.0, 1.0)]];
+        let len = values.means.len();
+        values.numbers.resize(len * nx * ny, S::Acc::default());
+        for row in 0..rect.h {
+            let down = (row as f64 + 0.5) / rect.h as f64;
+            let [left, right] = [0, 1].map(|k| ends[0][k].lerp(ends[1][k], down));
+            let step = (right - left) / rect.w as f64;
+            let first = left + 0.5 * step;
+            let half = [0, 1].map(|axis| [first[axis] as f32, step[axis] as f32]);
+            for part in 0..nx * ny {
+                let line = line(rect, row, parts.place(part), scale, offset);
+                let (x, y) = (&mut places.x[..rect.w], &mut places.y[..rect.w]);
+                sheet.chart.row(self.isa, &line, [&mut *x, &mut *y]);
+                let given = Boxes { x, y, half };
+                if nx * ny == 1 {
+                    boxes(self.isa, &page.job, &given, &mut values.means)?;
+                } else {
+                    let numbers = &mut values.numbers[part * len..(part + 1) * len];
+                    box_numbers(self.isa, &page.job, &given, numbers)?;
+                }
+            }
+            if nx * ny > 1 {
+                let (read, sums) = (&values.numbers[..], &mut values.sums[..]);
+                compiled_for(self.isa, Mean { values: read, sums, out: &mut values.means[..] });
+            }
+            put(row, &values.means);
+        }
+        Ok(())
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "one call for codes and numbers")]
+    fn points<S: Sample<Acc = Numbers<T>>>(
         &self,
         rect: Rect,
         sheets: &[Sheet],
@@ -130,18 +237,12 @@ where
         let (scale, offset) = self.to_level(grid.level);
         let whole = sheets.len() == 1 && !sheets[0].edge;
         let points = grid.count() * rect.w;
-        places.x.resize(points * sheets.len(), 0.0);
-        places.y.resize(points * sheets.len(), 0.0);
         values.points.resize(points * channels, S::default());
-        values.sums.resize(rect.w * channels, S::Acc::default());
-        values.means.resize(rect.w * channels, S::default());
-        let sides = DVec2::new(rect.w as f64, rect.h as f64);
         for row in 0..rect.h {
             for (k, (sheet, page)) in sheets.iter().zip(pages).enumerate() {
                 for part in 0..grid.count() {
-                    let within = (DVec2::new(0.0, row as f64) + grid.place(part)) * 2.0 / sides - 1.0;
                     let offset = if whole { offset - page.origin } else { offset };
-                    let line = Line { y: within.y, first: within.x, step: 2.0 / sides.x, scale, offset };
+                    let line = line(rect, row, grid.place(part), scale, offset);
                     let at = k * points + part * rect.w..k * points + (part + 1) * rect.w;
                     sheet.chart.row(self.isa, &line, [&mut places.x[at.clone()], &mut places.y[at]]);
                 }
@@ -166,13 +267,20 @@ where
             if grid.count() == 1 {
                 put(row, read);
             } else {
-                let (sums, means) = (&mut values.sums[..], &mut values.means[..]);
-                compiled_for(self.isa, Mean { values: read, sums, out: means });
+                let sums = &mut values.sums[..];
+                compiled_for(self.isa, Mean { values: read, sums, out: &mut values.means[..] });
                 put(row, &values.means);
             }
         }
         Ok(())
     }
+}
+
+/// One place of every pixel of a row of a rectangle.
+fn line(rect: Rect, row: usize, within: DVec2, scale: DVec2, offset: DVec2) -> Line {
+    let sides = DVec2::new(rect.w as f64, rect.h as f64);
+    let first = (DVec2::new(0.0, row as f64) + within) * 2.0 / sides - 1.0;
+    Line { y: first.y, first: first.x, step: 2.0 / sides.x, scale, offset }
 }
 
 /// For every point the first picture whose face it lies on, or else the nearest; its place there, squeezed along the
@@ -202,13 +310,13 @@ fn choose<S>(places: &mut Places, points: usize, n: f64, pages: &[Page<'_, S>]) 
 }
 
 /// Means of several rows of values, one row after the other.
-struct Mean<'s, T: Sample> {
-    values: &'s [T],
+struct Mean<'s, V: Sample, T: Sample> {
+    values: &'s [V],
     sums: &'s mut [T::Acc],
     out: &'s mut [T],
 }
 
-impl<T: Sample> Work for Mean<'_, T> {
+impl<V: Sample<Acc = T::Acc>, T: Sample> Work for Mean<'_, V, T> {
     type Output = ();
     #[inline(always)]
     fn run(self) {

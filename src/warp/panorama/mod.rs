@@ -1,8 +1,9 @@
 //! Panoramas: from one form of a picture of all directions to another, at any rotation.
 //!
-//! Every pixel is the mean of points within it. Where the map from the target's pixels to the source is smooth, which is
+//! Every pixel is the mean over its footprint. Where the map from the target's pixels to the source is smooth, which is
 //! nearly everywhere, rectangles of pixels are read by vector kernels, from polynomials that are the map to 1/128 texel
-//! (`tile.rs`, `fill.rs`); around poles, rims and folds every point is mapped by itself (`single.rs`). For filters that are asked for by
+//! (`tile.rs`, `fill.rs`); around poles, rims and folds a pixel is the mean of points, each mapped by itself
+//! (`single.rs`). For filters that are asked for by
 //! name every pixel has a place and an analytic Jacobian, or several (`rest.rs`). Work is done in bands of rows, so memory beyond the two pictures stays the same for any size.
 //!
 //! Seams: an equirectangular picture repeats along u; a face of a cube carries one texel of its neighbours around it, on
@@ -56,12 +57,22 @@ struct Target<'a> {
 }
 
 impl Target<'_> {
+    /// The direction in the source's frame at a place within pixel `i`, in 0..=1; `None` outside the picture.
+    fn point(&self, i: usize, within: DVec2) -> Option<DVec3> {
+        self.map.unplace(self.uv(i, within)).map(|d| self.rotation * d)
+    }
+
+    /// The place of a place within pixel `i` in the whole picture.
+    fn uv(&self, i: usize, within: DVec2) -> DVec2 {
+        let corner = DVec2::new((i % self.size[0]) as f64, (i / self.size[0]) as f64);
+        (corner + within) / DVec2::new(self.size[0] as f64, self.size[1] as f64)
+    }
+
     /// The direction in the source's frame at a place within pixel `i`, in 0..=1, and what one part right and
     /// one part down add to it, `parts` a pixel; `None` outside the picture.
     fn direction(&self, i: usize, within: DVec2, parts: f64) -> Option<(DVec3, Tangents)> {
         let size = DVec2::new(self.size[0] as f64, self.size[1] as f64);
-        let corner = DVec2::new((i % self.size[0]) as f64, (i / self.size[0]) as f64);
-        let found = self.map.inverse_at((corner + within) / size)?;
+        let found = self.map.inverse_at(self.uv(i, within))?;
         let (dx, dy) = (found.du / (size.x * parts), found.dv / (size.y * parts));
         Some((self.rotation * found.p, [self.rotation * dx, self.rotation * dy]))
     }
@@ -172,12 +183,7 @@ fn near_poles(target: Target<'_>, height: usize) -> f64 {
 }
 
 /// What the kernels are to show of each pixel; `None` where only filters can.
-fn show(
-    [width, height]: [usize; 2],
-    form: Form,
-    target: Target<'_>,
-    options: &WarpOptions,
-) -> Option<Show> {
+fn show([width, height]: [usize; 2], form: Form, target: Target<'_>, options: &WarpOptions) -> Option<Show> {
     let sampler = &options.sampler;
     if sampler.filter == Filter::Nearest {
         return Some(Show::Centre(Interpolation::Nearest));

@@ -91,7 +91,8 @@ mod tests {
         let data: Vec<f32> = (0..20).map(|i| i as f32).collect();
         let view = View::new(&data, 5, 4, 1, 5).expect("fits");
         for edge in [Edge::Repeat, Edge::Clamp, Edge::Border] {
-            for (low, high) in [(-7.3, -6.1), (-1.5, 0.2), (0.0, 3.9), (1.2, 9.7), (4.0, 4.5), (-20.0, 20.0)] {
+            for (low, high) in [(-7.3, -6.1), (-1.5, 0.2), (0.0, 3.9), (1.2, 9.7), (4.0, 4.5), (-20.0, 20.0)]
+            {
                 let across = Span::of([low, high], edge, 5);
                 let down = Span::of([low, high], Edge::Clamp, 4);
                 let mut piece = Vec::new();

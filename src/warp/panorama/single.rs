@@ -1,13 +1,13 @@
 //! Pixels one by one, each of its points where its own direction leads: around poles, rims and folds.
 
-use super::grid::{Grid, along_row};
+use super::grid::{Scatter, along_row};
 use super::piece::{Number, four};
 use super::tile::{Rect, Room, Show, Tiles};
 use super::{Form, Numbers};
 use crate::error::Result;
 use crate::image::{AnyView, Element, Pixels, View};
 use crate::kernel::remap::{Edge, Interpolation, Real, Sample};
-use crate::mapping::{Face, Mapped, SurfacePoint, Tangents};
+use crate::mapping::{Face, SurfacePoint, Tangents};
 use crate::sphere::along;
 use glam::{DVec2, DVec3};
 
@@ -53,39 +53,50 @@ where
 
     fn single(&self, pixel: usize, out: &mut [T], room: &mut Points<T, Numbers<T>>) -> Result<()> {
         let channels = self.pictures.channels();
-        let Some((d, dd)) = self.target.direction(pixel, DVec2::splat(0.5), 1.0) else {
+        let centre = DVec2::splat(0.5);
+        let scatter = match self.show {
+            Show::Mean => self.target.direction(pixel, centre, 1.0).map(|(d, dd)| self.scatter(d, dd)),
+            Show::Centre(_) => Some(Scatter::CENTRE),
+        };
+        let middle = self.target.point(pixel, centre);
+        let (Some(scatter), Some(middle)) = (scatter, middle) else {
             out.copy_from_slice(self.pictures.border());
             return Ok(());
         };
-        let grid = if self.show == Show::Mean { self.grid_at(d, dd) } else { Grid::CENTRE };
-        let (size, frame) = self.pictures.level_size(grid.level);
-        let faces = if matches!(self.form, Form::Cube(_)) { 6 } else { 1 };
-        let views: Vec<View<'_, T>> =
-            (0..faces).map(|face| self.pictures.view(grid.level, face)).collect::<Result<_>>()?;
+        let (size, frame) = self.pictures.level_size(scatter.level);
+        let mut views: [Option<View<'_, T>>; 6] = [None; 6];
         let (edges, border) = (self.pictures.edges(), self.pictures.border());
         room.codes.clear();
         room.fractions.clear();
         let nearest = self.show == Show::Centre(Interpolation::Nearest);
-        let mut read = |d: DVec3| {
-            let (face, mapped) = self.spot(d, [DVec3::ZERO; 2]);
-            let uv = if faces == 1 { mapped.uv } else { (along(mapped.uv * 2.0 - 1.0, size.x) + 1.0) * 0.5 };
+        let mut read = |d: DVec3| -> Result<()> {
+            let (face, uv) = self.spot(d, size.x);
+            let view = match views[face] {
+                Some(view) => view,
+                None => *views[face].insert(self.pictures.view(scatter.level, face)?),
+            };
             let place = uv * size + frame - if nearest { 0.0 } else { 0.5 };
             let corner = place.floor();
             let whole = if place.is_finite() { corner.to_array().map(|x| x as i64) } else { [i64::MIN; 2] };
             let part = if place.is_finite() { place - corner } else { DVec2::ZERO };
             let edges = if place.is_finite() { edges } else { [Edge::Border; 2] };
-            four(&views[face], whole.map(|x| x.clamp(-FAR, FAR)), edges, border, &mut room.codes);
+            four(&view, whole.map(|x| x.clamp(-FAR, FAR)), edges, border, &mut room.codes);
             room.fractions.push([Numbers::<T>::of(part.x), Numbers::<T>::of(part.y)]);
+            Ok(())
         };
-        if grid == Grid::CENTRE {
-            read(d);
-        } else {
+        if scatter.count > 1 {
             // Where a disc ends within the pixel, the part that is there.
-            let places = (0..grid.count()).filter_map(|k| self.target.direction(pixel, grid.place(k), 1.0));
-            let found = places.map(|(d, _)| read(d)).count();
-            if found == 0 {
-                read(d);
+            let places = (0..scatter.count).filter_map(|k| self.target.point(pixel, scatter.place(k)));
+            let mut found = 0;
+            for d in places {
+                read(d)?;
+                found += 1;
             }
+            if found == 0 {
+                read(middle)?;
+            }
+        } else {
+            read(middle)?;
         }
         if nearest {
             out.copy_from_slice(&room.codes[..channels]);
@@ -99,24 +110,30 @@ where
         Ok(())
     }
 
-    /// Where a direction leads: the picture, and the place in it.
-    fn spot(&self, d: DVec3, dd: Tangents) -> (usize, Mapped) {
+    /// Where a direction leads: the picture, of `n` texels a side for a face, and the place in it.
+    fn spot(&self, d: DVec3, n: f64) -> (usize, DVec2) {
         if matches!(self.form, Form::Cube(_)) {
             let face = Face::of(d);
-            (face.index(), face.project(d, dd))
+            let at = face.project(d, [DVec3::ZERO; 2]).uv * 2.0 - 1.0;
+            (face.index(), (along(at, n) + 1.0) * 0.5)
         } else {
-            (0, self.map.at(&SurfacePoint::new(d).moving(dd[0], dd[1])))
+            (0, self.map.place(d))
         }
     }
 
-    fn grid_at(&self, d: DVec3, dd: Tangents) -> Grid {
-        let mapped = self.spot(d, dd).1;
+    fn scatter(&self, d: DVec3, dd: Tangents) -> Scatter {
+        let mapped = if matches!(self.form, Form::Cube(_)) {
+            Face::of(d).project(d, dd)
+        } else {
+            self.map.at(&SurfacePoint::new(d).moving(dd[0], dd[1]))
+        };
         let size = self.pictures.size();
         let shorter = DVec2::new(along_row(self.form, mapped.uv.y), 1.0);
         // At most the whole picture.
-        let rows = mapped.jacobian.m.map(|row| row.map(|x| if x.is_nan() { 0.0 } else { x.clamp(-1.0, 1.0) }));
+        let rows =
+            mapped.jacobian.m.map(|row| row.map(|x| if x.is_nan() { 0.0 } else { x.clamp(-1.0, 1.0) }));
         let column = |k: usize| DVec2::new(rows[0][k], rows[1][k]) * size * shorter;
-        Grid::of(std::iter::once([column(0), column(1)]), self.pictures.last_level())
+        Scatter::of([column(0), column(1)], self.pictures.last_level())
     }
 }
 

@@ -1,14 +1,13 @@
 //! The fast way through a panorama: rectangles of pixels on which the map is a pair of cubics.
 //!
-//! A rectangle of up to [`SIDE`] squared pixels whose map [`Chart`] meets is sampled at a regular grid of points in every
-//! pixel ([`Grid`]), by the vector kernels of `remap` (`fill.rs`); the pixel is their mean. So the
-//! footprint is the pixel's true preimage, bent as it is, not a parallelogram. Where pixels are large the grid reads a coarser
-//! level. Rectangles that the cubics do not meet are cut in two; those of [`LEAST`] pixels (around poles, rims and
+//! In a rectangle of up to [`SIDE`] squared pixels whose map [`Chart`] meets, every pixel is the mean over upright boxes that
+//! stand for it or for its parts ([`Parts`]), by the vector kernels of `remap` (`fill.rs`); next to the edges of a cube's
+//! faces, of a regular grid of points ([`Grid`]). Where pixels are large a coarser level is read. Rectangles that the cubics do not meet are cut in two; those of [`LEAST`] pixels (around poles, rims and
 //! folds) are filled pixel by pixel (`single.rs`).
 
 use super::chart::{Chart, PLACES, places};
 use super::fill::{Places, Values};
-use super::grid::{Grid, along_row};
+use super::grid::{Grid, Parts, along_row};
 use super::pictures::Pictures;
 use super::piece::Number;
 use super::single::Points;
@@ -17,7 +16,7 @@ use crate::error::Result;
 use crate::image::{AnyView, Element, Pixels, View};
 use crate::kernel::Isa;
 use crate::kernel::remap::{Interpolation, Sample};
-use crate::mapping::{Face, Mapping, SurfacePoint};
+use crate::mapping::{Face, Mapping};
 use crate::pyramid::Codec;
 use glam::{DMat2, DVec2, DVec3};
 
@@ -156,7 +155,7 @@ where
         }
         let mut directions = [DVec3::ZERO; PLACES];
         for (d, p) in directions.iter_mut().zip(places()) {
-            *d = self.target.rotation * self.target.map.inverse_at(uv(p))?.p;
+            *d = self.target.rotation * self.target.map.unplace(uv(p))?;
         }
         if matches!(self.form, Form::Cube(_)) {
             return self.cube_sheets(rect, &directions);
@@ -166,7 +165,7 @@ where
         let mut values = [DVec2::ZERO; PLACES];
         let mut patch = None;
         for (value, d) in values.iter_mut().zip(directions) {
-            let uv = self.map.at(&SurfacePoint::new(d)).uv;
+            let uv = self.map.place(d);
             let here = self.form.patch(d, uv, whole)?;
             if !uv.is_finite() || *patch.get_or_insert(here) != here {
                 return None;
@@ -185,12 +184,11 @@ where
 
     /// The polynomials, where they are the map.
     fn chart(&self, rect: Rect, values: &[DVec2; PLACES]) -> Option<Chart> {
-        let per_pixel = DVec2::new(2.0 / rect.w as f64, 2.0 / rect.h as f64);
         Chart::fit(values, |chart, p, off| {
             let is_less = |v: DVec2, limit: f64| v.abs().cmple(DVec2::splat(limit)).all();
             let in_pixels = || {
-                let [x, y] = chart.slopes(p);
-                DMat2::from_cols(x * per_pixel.x, y * per_pixel.y).inverse() * off
+                let [x, y] = chart.footprint(rect, p);
+                DMat2::from_cols(x, y).inverse() * off
             };
             is_less(off, TEXELS) || (self.show == Show::Mean && is_less(in_pixels(), SHARE))
         })
@@ -227,14 +225,30 @@ where
         if self.show != Show::Mean {
             return Grid::CENTRE;
         }
-        let per_pixel = DVec2::new(2.0 / rect.w as f64, 2.0 / rect.h as f64);
+        Grid::of(self.footprints(rect, sheet).into_iter(), self.pictures.last_level())
+    }
+
+    /// The boxes of the pixels of a rectangle.
+    pub(super) fn parts(&self, rect: Rect, sheet: &Sheet) -> Parts {
+        Parts::of(&self.footprints(rect, sheet), self.pictures.last_level())
+    }
+
+    /// What a pixel right and a pixel down add, in texels of the first level, in the middle and the corners; along rings
+    /// around poles as [`along_row`] says.
+    fn footprints(&self, rect: Rect, sheet: &Sheet) -> [[DVec2; 2]; 5] {
         let height = self.pictures.size().y;
         let places = [[0.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(DVec2::from_array);
-        let footprint = |p: DVec2| {
-            let [x, y] = sheet.chart.slopes(p);
+        places.map(|p| {
             let shorter = DVec2::new(along_row(self.form, sheet.chart.at(p).y / height), 1.0);
-            [x * per_pixel.x * shorter, y * per_pixel.y * shorter]
-        };
-        Grid::of(places.into_iter().map(footprint), self.pictures.last_level())
+            sheet.chart.footprint(rect, p).map(|x| x * shorter)
+        })
+    }
+}
+
+impl Chart {
+    /// What a pixel right and a pixel down add at a place of a rectangle.
+    pub(super) fn footprint(&self, rect: Rect, p: DVec2) -> [DVec2; 2] {
+        let [x, y] = self.slopes(p);
+        [x * (2.0 / rect.w as f64), y * (2.0 / rect.h as f64)]
     }
 }
