@@ -70,7 +70,7 @@ def numbers(argument: str, value: ArrayLike | None, channels: int) -> list[float
         return [0.0] * channels
     try:
         array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise TypeError(f"{argument}: got {value!r}, expected numbers") from None
     if array.ndim > 1 or array.size not in (1, channels):
         expected = "one number" if channels == 1 else f"one number or {channels}"
@@ -118,7 +118,7 @@ def finite_matrix(argument: str, value: ArrayLike, shapes: Sequence[tuple[int, i
     expected = f"finite numbers of shape {' or '.join(map(str, shapes))}"
     try:
         matrix = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise TypeError(f"{argument}: got {value!r}, expected {expected}") from None
     if matrix.shape not in shapes or not np.isfinite(matrix).all():
         got = f"shape {matrix.shape}" if matrix.shape not in shapes else "a number that is not finite"

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _multum
-from ._arguments import broadcast, name, numbers, sampling
+from ._arguments import broadcast, name, numbers
 from ._files import read_image
+from ._sampling import sampling, stacked_faces
 
 
 class SphereTexture:
@@ -67,11 +68,7 @@ class SphereTexture:
     ) -> None:
         pixels = np.asarray(image)
         if name("form", form) == "cube" and name("layout", layout) == "faces":
-            if pixels.ndim not in (3, 4) or pixels.shape[0] != 6 or pixels.shape[1] != pixels.shape[2]:
-                raise ValueError(
-                    f"image: got shape {pixels.shape}, expected six faces (6, n, n) or (6, n, n, C)"
-                )
-            pixels = pixels.reshape(6 * pixels.shape[1], *pixels.shape[2:])
+            pixels = stacked_faces(pixels)
         self._texture = _multum.SphereTexture(
             pixels,
             form,
@@ -196,12 +193,12 @@ class SphereTexture:
             raise ValueError("ddx, ddy: got one of them, expected both or neither")
         if ddx is not None and lod is not None:
             raise ValueError("lod: got both lod and ddx, expected one of them")
-        options = sampling(filter, max_anisotropy, lod_bias, lod_rule, tolerance, seed, threads)
+        chosen = sampling(filter, max_anisotropy, lod_bias, lod_rule, tolerance, seed, threads)
         return self._texture.sample(
             places,
             broadcast("ddx", ddx, places.shape),
             broadcast("ddy", ddy, places.shape),
             broadcast("lod", lod, places.shape[:-1]),
-            options,
+            chosen,
             out,
         )

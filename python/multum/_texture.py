@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _multum
 from ._arguments import broadcast, count, name, number, numbers, sampling, wrap_pair
 from ._files import read_image
+from ._sampling import sampling
 from ._survey import Survey
 
 
@@ -271,12 +272,12 @@ class Texture:
             raise ValueError("lod: got both lod and jacobian, expected one of them")
         places = np.asarray(uv)
         leading = places.shape[:-1]
-        options = sampling(filter, max_anisotropy, lod_bias, lod_rule, tolerance, seed, threads)
+        chosen = sampling(filter, max_anisotropy, lod_bias, lod_rule, tolerance, seed, threads)
         return self._texture.sample(
             places,
             broadcast("jacobian", jacobian, (*leading, 2, 2)),
             broadcast("lod", lod, leading),
-            options,
+            chosen,
             out,
         )
 
@@ -327,13 +328,13 @@ class Texture:
             raise ValueError("lod: got both lod and jacobian, expected one of them")
         places = np.asarray(uv)
         leading = places.shape[:-1]
-        options = sampling(filter, max_anisotropy, lod_bias, lod_rule, tolerance, threads=threads)
+        chosen = sampling(filter, max_anisotropy, lod_bias, lod_rule, tolerance, None, threads)
         return Survey(
             *self._texture.survey(
                 places,
                 broadcast("jacobian", jacobian, (*leading, 2, 2)),
                 broadcast("lod", lod, leading),
-                options,
+                chosen,
             )
         )
 

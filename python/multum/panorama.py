@@ -8,11 +8,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _multum
 from ._arguments import count, finite_matrix, name, number, size_pair
+from ._sampling import stacked_faces
 from ._warp import Border, _options
 
 __all__ = ["convert", "rotation"]
 
 _CELLS = {"faces": (1, 6), "stacked": (1, 6), "strip": (6, 1), "cross": (4, 3)}
+#: Sides that are refused here, before they are multiplied by the cells of a cube.
+_LONGEST = 2**31
 _ANGLES = {"perspective": 90.0, "fisheye": 180.0, "stereographic": 270.0}
 
 
@@ -79,9 +82,9 @@ def convert(
 ) -> NDArray[Any]:
     """Convert a panorama.
 
-    Every pixel is the mean over what it covers: nearly everywhere of a grid of points, about 1.6 a texel in each
-    direction, on a map that is followed to 1/128 texel; around poles, rims and folds by the ``"area"`` filter on
-    analytic footprints. Where source and target are the same picture in another layout, it is copied.
+    Every pixel is the mean over what it covers: nearly everywhere an integral of the interpolated picture, on a
+    map that is followed to 1/64 texel or 1/32 pixel; around poles, rims and folds a mean of points. Where source
+    and target are the same picture in another layout, it is copied.
 
     Directions are seen in the frame x right, y up, z forward. Equirectangular pictures, fisheyes and light
     probes have forward at their centre, mirror balls backward; cubes are OpenGL's.
@@ -133,9 +136,7 @@ def convert(
     pixels = np.asarray(image)
     source, target = name("source", source), name("target", target)
     if source == "cube" and source_layout == "faces":
-        if pixels.ndim not in (3, 4) or pixels.shape[0] != 6 or pixels.shape[1] != pixels.shape[2]:
-            raise ValueError(f"image: got shape {pixels.shape}, expected six faces (6, n, n) or (6, n, n, C)")
-        pixels = pixels.reshape(6 * pixels.shape[1], *pixels.shape[2:])
+        pixels = stacked_faces(pixels)
     if pixels.ndim not in (2, 3):
         raise ValueError(f"image: got shape {pixels.shape}, expected (H, W) or (H, W, C)")
     for argument, word in (("layout", layout), ("source_layout", source_layout)):
@@ -146,11 +147,12 @@ def convert(
         turn = _pixels_a_turn(source, pixels.shape[1], _CELLS[source_layout][0], source_angle)
         width, height = _default_size(target, turn, angle)
     elif isinstance(size, Sequence) or np.ndim(np.asarray(size)) > 0:
-        width, height = size_pair("size", np.asarray(size).tolist())
+        sides = size_pair("size", np.asarray(size).tolist())
+        width, height = (count("size", side, most=_LONGEST) for side in sides)
         if target == "cube" and width != height:
             raise ValueError(f"size: got {(width, height)}, expected the side of a face")
     else:
-        width = height = count("size", size)
+        width = height = count("size", size, most=_LONGEST)
         if target in ("equirect", "dual_paraboloid"):
             height = max(1, width // 2)
     if target == "cube":

@@ -207,6 +207,14 @@ impl<'py> FloatArray<'py> {
             Floats::F64(a) => a.to_vec(),
         })
     }
+
+    /// The numbers as singles.
+    pub fn to_f32(&self) -> Result<Vec<f32>> {
+        Ok(match self.floats()? {
+            Floats::F32(a) => a.to_vec(),
+            Floats::F64(a) => a.iter().map(|x| *x as f32).collect(),
+        })
+    }
 }
 
 /// Triangles: whole numbers of shape (F, 3), from 0 on.
@@ -272,6 +280,26 @@ pub fn output<'py, T: Element>(
     array
         .try_readwrite()
         .map_err(|e| Error::value(argument, format!("{} ({e})", describe(value)), expected()).into())
+}
+
+/// What `run` makes, in the array that was given for it, or in a new one.
+pub fn filled<'py, T: Element + Default + Clone + Send>(
+    py: Python<'py>,
+    given: Option<&Bound<'py, PyAny>>,
+    shape: &[usize],
+    dtype: &str,
+    threads: Option<usize>,
+    run: impl FnOnce(&mut [T]) -> Result<()> + Send,
+) -> PyResult<Bound<'py, PyAny>> {
+    let Some(given) = given else {
+        let mut made = crate::image::zeros::<T>("shape", shape.iter().product())?;
+        work(py, threads, || run(&mut made))?;
+        return array(py, made, shape);
+    };
+    let mut borrowed = output::<T>("out", given, shape, dtype)?;
+    let slice = borrowed.as_slice_mut().map_err(|e| Error::value("out", e, "C-contiguous memory"))?;
+    work(py, threads, || run(slice))?;
+    Ok(given.clone())
 }
 
 /// A new array from packed elements.

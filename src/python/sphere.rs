@@ -1,6 +1,6 @@
 //! Textures of directions.
 
-use super::convert::{FloatArray, Floats, ImageArg, array, output, work};
+use super::convert::{FloatArray, Floats, ImageArg, filled, work};
 use super::texture::Sampling;
 use crate::encode::{Alpha, Encoding};
 use crate::error::{Error, Result};
@@ -103,8 +103,7 @@ impl SphereTexture {
             (Some(x), Some(y)) => Some((doubles(x)?, doubles(y)?)),
             _ => None,
         };
-        let lod: Option<Vec<f32>> =
-            lod.map(|l| l.to_f64()).transpose()?.map(|l| l.iter().map(|x| *x as f32).collect());
+        let lod = lod.map(|l| l.to_f32()).transpose()?;
         let spread = match (&tangents, &lod) {
             (Some((x, y)), _) => Spread::Tangents(x, y),
             (None, Some(lod)) => Spread::Lod(lod),
@@ -133,20 +132,7 @@ impl SphereTexture {
         dtype: &str,
     ) -> PyResult<Bound<'py, PyAny>> {
         let run = |out: &mut [O]| self.inner.sample(&sampling.sampler, d, spread, out);
-        match out {
-            Some(given) => {
-                let mut borrowed = output::<O>("out", given, shape, dtype)?;
-                let slice =
-                    borrowed.as_slice_mut().map_err(|e| Error::value("out", e, "C-contiguous memory"))?;
-                work(py, sampling.threads, || run(slice))?;
-                Ok(given.clone())
-            }
-            None => {
-                let mut made = crate::image::zeros::<O>("directions", shape.iter().product())?;
-                work(py, sampling.threads, || run(&mut made))?;
-                array(py, made, shape)
-            }
-        }
+        filled(py, out, shape, dtype, sampling.threads, run)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Textures and sampling.
 
-use super::convert::{FloatArray, Floats, ImageArg, array, image_array, output, work};
+use super::convert::{FloatArray, Floats, ImageArg, array, filled, image_array, work};
 use crate::encode::{Alpha, Encoding};
 use crate::error::{Error, Result};
 use crate::filter::{Effort, Filter};
@@ -175,8 +175,7 @@ impl Texture {
         let jacobian =
             jacobian.map(|j| FloatArray::new("jacobian", j, &[2, 2], "(..., 2, 2)")).transpose()?;
         let lod = lod.map(|l| FloatArray::new("lod", l, &[], "(...)")).transpose()?;
-        let lod: Option<Vec<f32>> =
-            lod.map(|l| l.to_f64()).transpose()?.map(|l| l.iter().map(|x| *x as f32).collect());
+        let lod = lod.map(|l| l.to_f32()).transpose()?;
         let jacobian = jacobian.map(|j| j.to_f64()).transpose()?;
         let places = uv.to_f64()?;
         let extent = extent(jacobian.as_deref(), lod.as_deref());
@@ -231,8 +230,7 @@ impl Texture {
         if let Some(lod) = &lod {
             same("lod", lod, 0)?;
         }
-        let lod: Option<Vec<f32>> =
-            lod.map(|l| l.to_f64()).transpose()?.map(|l| l.iter().map(|x| *x as f32).collect());
+        let lod = lod.map(|l| l.to_f32()).transpose()?;
         let lod = lod.as_deref();
         let jacobian = jacobian.as_ref().map(FloatArray::floats).transpose()?;
         let uv = uv.floats()?;
@@ -245,20 +243,7 @@ impl Texture {
             (Floats::F32(uv), Some(Floats::F64(j))) => self.run(&sampler, &doubles(uv), Some(j), lod, out),
             (Floats::F64(uv), Some(Floats::F32(j))) => self.run(&sampler, uv, Some(&doubles(j)), lod, out),
         };
-        match out {
-            Some(given) => {
-                let mut borrowed = output::<O>("out", given, &shape, dtype)?;
-                let slice =
-                    borrowed.as_slice_mut().map_err(|e| Error::value("out", e, "C-contiguous memory"))?;
-                work(py, sampling.threads, || run(slice))?;
-                Ok(given.clone())
-            }
-            None => {
-                let mut made = crate::image::zeros::<O>("uv", shape.iter().product())?;
-                work(py, sampling.threads, || run(&mut made))?;
-                array(py, made, &shape)
-            }
-        }
+        filled(py, out, &shape, dtype, sampling.threads, run)
     }
 
     fn run<U: Coordinate, O: Real>(

@@ -73,6 +73,17 @@ CASES: list[tuple[str, type[Exception], Callable[[], object]]] = [
     ("rotation", TypeError, lambda: mt.panorama.convert(IMAGE, rotation="turn")),
     ("rotation", ValueError, lambda: mt.panorama.convert(IMAGE, rotation=np.full((3, 3), np.inf))),
     ("fov", TypeError, lambda: mt.panorama.convert(IMAGE, fov="wide")),  # type: ignore[arg-type]
+    ("size", ValueError, lambda: mt.panorama.convert(IMAGE, size=2**62)),
+    ("size", ValueError, lambda: mt.panorama.convert(IMAGE, size=(2**62, 2**62))),
+    ("size", TypeError, lambda: mt.panorama.convert(IMAGE, size=np.inf)),  # type: ignore[arg-type]
+    ("size", TypeError, lambda: mt.panorama.convert(IMAGE, size=(np.inf, 4))),  # type: ignore[arg-type]
+    ("rotation", TypeError, lambda: mt.panorama.convert(IMAGE, rotation=10**400)),  # type: ignore[arg-type]
+    ("border", TypeError, lambda: mt.panorama.convert(IMAGE, border=10**400)),
+    ("border", TypeError, lambda: mt.SphereTexture(IMAGE, border=10**400)),
+    ("center", TypeError, lambda: mt.mapping.Spherical(center=(10**400, 0, 0))),
+    ("cells", TypeError, lambda: mt.mapping.checkerboard([0.0, 0.0], 10**400)),
+    ("values", TypeError, lambda: mt.mapping.distortion_picture([[10**400]])),
+    ("lod", TypeError, lambda: mt.SphereTexture(IMAGE).sample([0.0, 0, 1], lod="fine")),
     ("target", TypeError, lambda: mt.panorama.convert(IMAGE, target=np.zeros(2))),  # type: ignore[arg-type]
     ("wrap", ValueError, lambda: mt.Texture(IMAGE, wrap="tile")),
     ("wrap", TypeError, lambda: mt.Texture(IMAGE, wrap=("repeat", "clamp", "clamp"))),

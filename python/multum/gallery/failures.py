@@ -52,7 +52,7 @@ def _looking(size: int, forward: tuple[float, float, float], half: float) -> tup
 
 
 def _poles(size: int) -> list[list[Panel]]:
-    d, dx, dy = _looking(size, (0, 1, 0), 0.6)
+    d, dx, dy = _looking(size, (0, 1, 0), 0.08)
     m = mapping.Equirect()
     uv, jacobian = m(d, dpdx=dx, dpdy=dy)
     ring = np.hypot(d[..., 0], d[..., 2]) / np.linalg.norm(d, axis=-1)
@@ -60,9 +60,11 @@ def _poles(size: int) -> list[list[Panel]]:
     sky = SphereTexture(noise)
     return [
         [
-            Panel(_board(uv, None), "one point a pixel", "noise at the pole"),
-            Panel(_board(uv, jacobian), "the Jacobian's mean", "the pole is the mean of its ring"),
-            Panel(_codes(np.clip(0.05 / np.maximum(ring, 1e-9), 0, 1)), "stretch of u", "1/sin θ, unbounded"),
+            Panel(_board(uv, None), "one point a pixel", "ragged at the pole"),
+            Panel(_board(uv, jacobian), "filtered", "the ring's average"),
+            Panel(
+                _codes(np.clip(0.008 / np.maximum(ring, 1e-9), 0, 1)), "stretch of u", "1/sin θ, unbounded"
+            ),
             Panel(
                 _codes(sky.sample(d, dx, dy, filter="nearest")[..., 0]), "noise, nearest", "64 x 128 texels"
             ),
@@ -79,37 +81,42 @@ def _seam(size: int) -> list[list[Panel]]:
     sky = SphereTexture(noise)
     return [
         [
-            Panel(_board(uv, slopes), "differences of u", "u jumps by 1: the widest footprint"),
+            Panel(_board(uv, slopes), "differences of u", "u jumps by a turn"),
             Panel(_board(uv, jacobian), "analytic Jacobian", "the jump is not in it"),
             Panel(_codes(10 * np.abs(slopes[..., 0, 0])), "∂u/∂x, differences", "x 10"),
             Panel(_codes(10 * np.abs(jacobian[..., 0, 0])), "∂u/∂x, analytic", "x 10"),
-            Panel(_codes(sky.sample(d, dx, dy)[..., 0]), "SphereTexture", "interpolated across the seam"),
+            Panel(_codes(sky.sample(d, dx, dy)[..., 0]), "SphereTexture", "goes on across"),
         ]
     ]
 
 
 def _axis(size: int) -> list[list[Panel]]:
-    across, up = _screen(size)
+    across, up = _screen(size, 0.15)
     point = np.stack([across, up, np.zeros_like(across)], -1)
-    step = 2 / size
+    step = 0.3 / size
     dx, dy = np.broadcast_to([step, 0, 0], point.shape), np.broadcast_to([0, -step, 0], point.shape)
     uv, jacobian = mapping.Cylindrical(height=(-1, 1))(point, dpdx=dx, dpdy=dy)
     middle = np.array([[0.0, 0.0, 0.0], [1e-300, 0.0, 0.0]])
     stage = mapping.TwoStage("sphere", "centroid", radius=2)
     away, _ = stage(middle, dpdx=np.ones((2, 3)), dpdy=np.ones((2, 3)))
     uvs, jacobians = stage(point + np.array([0, 0, 0.02]), dpdx=dx, dpdy=dy)
-    note = f"at the centroid u = {away[0, 0]}, beside it {away[1, 0]:g}"
+    note = f"on it u = {away[0, 0]}"
     return [
         [
-            Panel(_board(uv, None), "cap, one point a pixel", "cylindrical map across its axis"),
-            Panel(_board(uv, jacobian), "cap, the mean", "the axis is the mean of all u"),
-            Panel(_board(uvs, None), "past the centroid, points", "two stages, sphere, centroid"),
-            Panel(_board(uvs, jacobians), "past the centroid, mean", note),
+            Panel(_board(uv, None), "cap, points", "cylindrical map"),
+            Panel(_board(uv, jacobian), "cap, filtered", "on the axis all u"),
+            Panel(_board(uvs, None), "centroid, points", "a plane just past it"),
+            Panel(_board(uvs, jacobians), "centroid, filtered", note),
         ]
     ]
 
 
 def _misses(size: int) -> list[list[Panel]]:
+    return [_mirrored(size, 1.5, "in"), _mirrored(size, 0.8, "around")]
+
+
+def _mirrored(size: int, radius: float, place: str) -> list[Panel]:
+    """A ball that mirrors the board on an intermediate surface larger or smaller than itself."""
     across, up = _screen(size)
     inside = across**2 + up**2 < 0.96
     depth = np.sqrt(np.maximum(1 - across**2 - up**2, 0.04))
@@ -120,13 +127,13 @@ def _misses(size: int) -> list[list[Panel]]:
     panels = []
     for intermediate in ("plane", "cylinder", "sphere", "cube"):
         m = mapping.TwoStage(
-            intermediate, "reflected_ray", eye=(0, 0, 6), radius=1.5, height=(-0.7, 0.7), axis="y"
+            intermediate, "reflected_ray", eye=(0, 0, 6), radius=radius, height=(-0.7, 0.7), axis="y"
         )
         uv, jacobian = m(n, n, dx, dy, dndx=dx, dndy=dy)
         met = np.isfinite(uv).all(-1) & inside
         board = np.where(inside[..., None], _board(uv, jacobian), 247).astype(np.uint8)
-        panels.append(Panel(board, f"a ball in a {intermediate}", f"coverage {met.sum() / inside.sum():.0%}"))
-    return [panels]
+        panels.append(Panel(board, f"{place} a {intermediate}", f"coverage {met.sum() / inside.sum():.0%}"))
+    return panels
 
 
 def _edges(size: int) -> list[list[Panel]]:
@@ -149,21 +156,19 @@ def _edges(size: int) -> list[list[Panel]]:
     return [
         [
             Panel(_codes(faces[face, column[..., 1], column[..., 0]]), "texels", "8 x 8 a face"),
-            Panel(_codes(clamped), "faces by themselves", "clamped: lines along the edges"),
-            Panel(
-                _codes(sky.sample(d, filter="bilinear")[..., 0]), "SphereTexture", "neighbours around faces"
-            ),
+            Panel(_codes(clamped), "faces by themselves", "lines at edges"),
+            Panel(_codes(sky.sample(d, filter="bilinear")[..., 0]), "SphereTexture", "goes on across"),
             Panel(_codes(blocks), "level 2, texels", "2 x 2 a face"),
-            Panel(_codes(level), "level 2, trilinear", "and around every level"),
+            Panel(_codes(level), "level 2, trilinear", "goes on across"),
         ]
     ]
 
 
 def _projectors(size: int) -> list[list[Panel]]:
-    across, up = _screen(size, 3.0)
-    floor = np.stack([across, up, np.full_like(across, -0.5)], -1)
-    rows = projector_matrix((0.0, -0.5, 0.8), (0.0, 1.5, -0.5))
-    step = 6 / size
+    across, up = _screen(size, 1.5)
+    floor = np.stack([across, up, np.full_like(across, 0.1)], -1)
+    rows = projector_matrix((0.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    step = 3 / size
     dx, dy = np.broadcast_to([step, 0, 0], floor.shape), np.broadcast_to([0, -step, 0], floor.shape)
     q = np.concatenate([floor, np.ones((*floor.shape[:2], 1))], -1) @ rows.T
     naive = q[..., :2] / q[..., 3:]
@@ -174,14 +179,14 @@ def _projectors(size: int) -> list[list[Panel]]:
     wall = np.stack([across, np.full_like(across, 1.0), up], -1)
     wall_dy = np.broadcast_to([0, 0, -step], wall.shape)
     panels = [
-        Panel(_board(naive, None), "q not looked at", "a second picture behind the projector"),
+        Panel(_board(naive, None), "q not looked at", "a second picture behind"),
         Panel(_board(np.where(inside, uv, np.nan), jacobian), "q <= 0: no answer", "NaN, coverage 0"),
     ]
-    for sign, title in ((-1.0, "a wall that faces it"), (1.0, "the back of a wall")):
+    for sign, title in ((-1.0, "a wall"), (1.0, "a wall's back")):
         normal = np.broadcast_to([0.0, sign, 0.0], wall.shape)
         seen, slope = mapping.Projective(rows, back_faces=False)(wall, normal, dx, wall_dy)
         inside = (np.abs(seen - 0.5) < 0.5).all(-1, keepdims=True)
-        note = "back_faces=False" if sign > 0 else "receives the picture"
+        note = "back_faces=False" if sign > 0 else "faces the projector"
         panels.append(Panel(_board(np.where(inside, seen, np.nan), slope), title, note))
     return [panels]
 
@@ -217,13 +222,13 @@ def _determinants(size: int) -> tuple[list[Panel], list[str]]:
     step = np.eye(2) / size
     panels = []
     for gap in (1.0, 0.1, 0.01):
-        m = mapping.Linear(1, 1 - gap, 0, 1, 1, 0)
+        m = mapping.Linear(1, 1 - 2 * gap, 0, 0.5, 0.5, 0)
         uv, jacobian = m(st, dpdx=np.broadcast_to(step[0], st.shape), dpdy=np.broadcast_to(step[1], st.shape))
         largest = float(np.abs(m.inverse()(np.array([1.0, 0.0]))).max())
-        panels.append(Panel(_board(uv, jacobian), f"ae - bd = {gap:g}", f"its inverse grows to {largest:g}"))
-    m = mapping.Linear(1, 1, 0, 1, 1, 0)
+        panels.append(Panel(_board(uv, jacobian), f"ae - bd = {gap:g}", f"inverse up to {largest:g}"))
+    m = mapping.Linear(1, 1, 0, 0.5, 0.5, 0)
     uv, jacobian = m(st, dpdx=np.broadcast_to(step[0], st.shape), dpdy=np.broadcast_to(step[1], st.shape))
-    panels.append(Panel(_board(uv, jacobian), "ae = bd", "one direction is lost; no inverse"))
+    panels.append(Panel(_board(uv, jacobian), "ae = bd", "no inverse"))
     return panels, [_said(m.inverse)]
 
 

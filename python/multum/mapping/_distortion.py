@@ -60,7 +60,10 @@ def distortion_picture(values: ArrayLike, *, limit: SupportsFloat = 4.0) -> NDAr
     top = single("limit", limit)
     if not top > 1:
         raise ValueError(f"limit: got {top}, expected a number above 1")
-    array = np.asarray(values, dtype=np.float64)
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(f"values: got {values!r}, expected numbers of shape (H, W)") from None
     if array.ndim != 2:
         raise ValueError(f"values: got shape {array.shape}, expected (H, W)")
     with np.errstate(divide="ignore", invalid="ignore"):

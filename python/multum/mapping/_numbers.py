@@ -14,7 +14,7 @@ def floats(argument: str, value: object, shape: tuple[int, ...]) -> NDArray[np.f
     """Numbers of this shape; -1 stands for any count."""
     try:
         array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise TypeError(f"{argument}: got {value!r}, expected numbers of shape {shape}") from None
     if array.ndim != len(shape) or any(s not in (-1, n) for s, n in zip(shape, array.shape, strict=True)):
         raise ValueError(f"{argument}: got shape {array.shape}, expected {shape}")

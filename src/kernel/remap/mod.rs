@@ -35,7 +35,7 @@ mod scalar;
 mod tests;
 mod weights;
 
-pub use boxes::{Boxes, box_numbers, boxes};
+pub use boxes::{Boxes, Taps, box_numbers, boxes};
 pub use coords::{Buffer, CHUNK, Grid};
 pub use lerp::{Lerp, Scaled, nearest, within};
 pub use sample::{Real, Sample};

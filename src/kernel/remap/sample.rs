@@ -61,9 +61,9 @@ pub trait Sample: Copy + Default + Send + Sync + 'static {
     fn vector(_isa: Isa, _job: &Job<'_, Self>, _points: &Points<'_, Self::Acc>, _out: &mut [Self]) -> bool {
         false
     }
-    /// Means over the first `n` boxes of a chunk.
-    fn boxes(isa: Isa, job: &Job<'_, Self>, taps: &Taps, n: usize, out: Out<'_, Self>) {
-        boxes::numbers(isa, job, taps, n, out);
+    /// Means over a chunk of boxes.
+    fn boxes(isa: Isa, job: &Job<'_, Self>, taps: &mut Taps, out: Out<'_, Self>) {
+        boxes::numbers(isa, job, taps, out);
     }
 }
 
@@ -88,8 +88,8 @@ macro_rules! integer_sample {
             $(fn vector(isa: Isa, job: &Job<'_, Self>, points: &Points<'_, f32>, out: &mut [Self]) -> bool {
                 $vector(isa, job, points, out)
             }
-            $(fn boxes(isa: Isa, job: &Job<'_, Self>, taps: &Taps, n: usize, out: Out<'_, Self>) {
-                $boxes(isa, job, taps, n, out);
+            $(fn boxes(isa: Isa, job: &Job<'_, Self>, taps: &mut Taps, out: Out<'_, Self>) {
+                $boxes(isa, job, taps, out);
             })?)?
         }
     };

@@ -38,9 +38,9 @@ pub(super) struct Chart {
 }
 
 impl Chart {
-    /// The polynomials through the map's values at [`places`]; `None` where they are off by what `is_close` refuses, which
-    /// also gets the place.
-    pub fn fit(values: &[DVec2; PLACES], is_close: impl Fn(&Self, DVec2, DVec2) -> bool) -> Option<Self> {
+    /// The polynomials through the map's values at [`places`], or how many times farther off than allowed they are; `excess`
+    /// tells that for a place and an error.
+    pub fn fit(values: &[DVec2; PLACES], excess: impl Fn(&Self, DVec2, DVec2) -> f64) -> Result<Self, f64> {
         let mut c = [[[0.0; 4]; 4]; 2];
         for (axis, c) in c.iter_mut().enumerate() {
             let mut across = [[0.0; 4]; 4];
@@ -56,11 +56,13 @@ impl Chart {
             }
         }
         let chart = Self { c };
-        let met = (CHECKS.iter().zip(&values[16..])).all(|(p, value)| {
+        let mut most = 0.0f64;
+        for (p, value) in CHECKS.iter().zip(&values[16..]) {
             let p = DVec2::from_array(*p);
-            is_close(&chart, p, chart.at(p) - *value)
-        });
-        met.then_some(chart)
+            let excess = excess(&chart, p, chart.at(p) - *value);
+            most = if excess.is_nan() { f64::INFINITY } else { most.max(excess) };
+        }
+        if most <= 1.0 { Ok(chart) } else { Err(most) }
     }
 
     /// A box that holds all places: its middle and half its sides.
@@ -139,7 +141,10 @@ mod tests {
 
     fn fit(f: impl Fn(DVec2) -> DVec2, tolerance: f64) -> Option<Chart> {
         let values: Vec<DVec2> = places().map(f).collect();
-        Chart::fit(&values.try_into().expect("as many"), |_, _, off| off.abs().max_element() <= tolerance)
+        Chart::fit(&values.try_into().expect("as many"), |_, _, off| {
+            if off.is_nan() { f64::NAN } else { off.abs().max_element() / tolerance }
+        })
+        .ok()
     }
 
     #[test]

@@ -5,13 +5,13 @@
 
 use super::Numbers;
 use super::chart::Line;
-use super::grid::{Grid, Parts, half_sides};
+use super::grid::{Grid, Parts, covariance, half_sides};
 use super::piece::{Number, Span, gather};
 use super::tile::{Rect, Room, Sheet, Show, Tiles};
 use crate::error::Result;
 use crate::image::{AnyView, Element, Pixels, View};
 use crate::kernel::remap::{
-    Boxes, Interpolation, Job, Outside, Points, Real, Sample, Source, box_numbers, boxes, remap,
+    Boxes, Interpolation, Job, Outside, Points, Real, Sample, Source, Taps, box_numbers, boxes, remap,
 };
 use crate::kernel::{Work, compiled_for};
 use crate::sphere::along;
@@ -32,13 +32,20 @@ pub(super) struct Places {
 pub(super) struct Values<S: Sample> {
     points: Vec<S>,
     numbers: Vec<S::Acc>,
+    taps: Box<Taps>,
     sums: Vec<S::Acc>,
     means: Vec<S>,
 }
 
 impl<S: Sample> Values<S> {
     pub fn new() -> Self {
-        Self { points: Vec::new(), numbers: Vec::new(), sums: Vec::new(), means: Vec::new() }
+        Self {
+            points: Vec::new(),
+            numbers: Vec::new(),
+            taps: Box::default(),
+            sums: Vec::new(),
+            means: Vec::new(),
+        }
     }
 }
 
@@ -187,12 +194,13 @@ where
         let (scale, offset) = self.to_level(parts.level);
         let offset = offset - page.origin;
         let [nx, ny] = parts.count;
-        // At both ends of the first and the last row; between them halves are drawn by lines.
-        let half = |x: f64, y: f64| {
+        // At both ends of the first and the last row; between them moments are drawn by lines.
+        let moments = |x: f64, y: f64| {
             let [right, down] = sheet.chart.footprint(rect, DVec2::new(x, y));
-            half_sides([right * scale / nx as f64, down * scale / ny as f64])
+            let part = [right * scale / nx as f64, down * scale / ny as f64];
+            half_sides(part).extend(covariance(part))
         };
-        let ends = [[half(-1.0, -1.0), half(1.0, -1.0)], [half(-1.0, 1.0), half(1.0, 1.0)]];
+        let ends = [[moments(-1.0, -1.0), moments(1.0, -1.0)], [moments(-1.0, 1.0), moments(1.0, 1.0)]];
         let len = values.means.len();
         values.numbers.resize(len * nx * ny, S::Acc::default());
         for row in 0..rect.h {
@@ -200,17 +208,18 @@ where
             let [left, right] = [0, 1].map(|k| ends[0][k].lerp(ends[1][k], down));
             let step = (right - left) / rect.w as f64;
             let first = left + 0.5 * step;
-            let half = [0, 1].map(|axis| [first[axis] as f32, step[axis] as f32]);
+            let [across, down, lean] = [0, 1, 2].map(|k| [first[k] as f32, step[k] as f32]);
             for part in 0..nx * ny {
                 let line = line(rect, row, parts.place(part), scale, offset);
                 let (x, y) = (&mut places.x[..rect.w], &mut places.y[..rect.w]);
                 sheet.chart.row(self.isa, &line, [&mut *x, &mut *y]);
-                let given = Boxes { x, y, half };
+                let given = Boxes { x, y, half: [across, down], lean };
+                let taps = &mut values.taps;
                 if nx * ny == 1 {
-                    boxes(self.isa, &page.job, &given, &mut values.means)?;
+                    boxes(self.isa, &page.job, &given, taps, &mut values.means)?;
                 } else {
                     let numbers = &mut values.numbers[part * len..(part + 1) * len];
-                    box_numbers(self.isa, &page.job, &given, numbers)?;
+                    box_numbers(self.isa, &page.job, &given, taps, numbers)?;
                 }
             }
             if nx * ny > 1 {

@@ -16,12 +16,15 @@ const POINTS: [f64; 2] = [2.0, 32.0];
 const FOUR: usize = 4;
 /// See [`FOUR`].
 const MOST: f64 = 256.0;
-/// Sides of a box, in texels, at most: what four taps hold, less what may change within a rectangle.
-const SIDE: f64 = 1.9;
+/// Sides of a part, in texels, at most. Boxes hold two: a quarter more blurs by a tenth less.
+const SIDE: f64 = 2.25;
 /// Boxes a pixel in each direction, at most.
 const BOXES: usize = 32;
-/// Covariance of the columns and rows of a box, in texels squared, at most: an upright box has none.
-const LEANING: f64 = 0.01;
+/// Correlation of the columns and rows of a part, at most, which boxes follow to first order; and a covariance, in texels
+/// squared, that is always small enough.
+const LEANING: f64 = 0.6;
+/// See [`LEANING`].
+const SLIGHT: f64 = 0.05;
 /// Shortest ring around a pole, as a share of the equator.
 const LEAST_RING: f64 = 1e-6;
 
@@ -77,8 +80,10 @@ pub(super) struct Scatter {
 }
 
 impl Scatter {
-    /// One point, in the middle.
-    pub const CENTRE: Self = Self { level: 0, count: 1 };
+    /// The four of Gauss on the first level: for footprints of up to some three texels.
+    pub const SMALL: Self = Self { level: 0, count: FOUR };
+    /// Pixels from one of the four to the next.
+    pub const APART: f64 = 2.0 * GAUSS;
 
     /// The points for a footprint.
     pub fn of([x, y]: [DVec2; 2], last_level: usize) -> Self {
@@ -95,7 +100,6 @@ impl Scatter {
         /// The golden section.
         const TURN: f64 = 0.618_033_988_749_894_9;
         match self.count {
-            1 => DVec2::splat(0.5),
             FOUR => Grid { level: 0, points: [2; 2] }.place(k),
             n => {
                 let k = k as f64 + 0.5;
@@ -115,10 +119,12 @@ pub(super) struct Parts {
 
 impl Parts {
     /// The parts for some footprints of pixels: what a pixel right and a pixel down add, in texels. Each has sides of at
-    /// most [`SIDE`] texels, so that the means of boxes with the parts' own variances are close to those of the parts.
-    pub fn of(footprints: &[[DVec2; 2]], last_level: usize) -> Self {
+    /// most [`SIDE`] texels, and leans by at most [`LEANING`], so that boxes with the parts' own moments have means close to theirs.
+    /// Neighbours along a row are `alike`: footprints that are longer than all boxes are filled by them with gaps.
+    pub fn of(footprints: &[[DVec2; 2]], alike: f64, last_level: usize) -> Self {
         let (mut long, mut width) = (0.0f64, 0.0f64);
-        for [x, y] in footprints {
+        let shorter = DVec2::new(alike, 1.0);
+        for [x, y] in footprints.iter().map(|sides| sides.map(|x| x * shorter)) {
             long = long.max(x.length()).max(y.length());
             width = width.max(Jacobian::new([[x.x, y.x], [x.y, y.y]]).axes().sigma2);
         }
@@ -132,11 +138,10 @@ impl Parts {
                 let [nx, ny] = count.map(|n| n as f64);
                 let (a, b) = (x / nx, y / ny);
                 let sides = half_sides([a, b]) * 2.0;
-                let leaning = [a.x * a.y / 12.0, b.x * b.y / 12.0];
                 let more = if sides.max_element() > SIDE {
                     usize::from(b.length_squared() > a.length_squared())
-                } else if (leaning[0] + leaning[1]).abs() > LEANING {
-                    usize::from(leaning[1].abs() > leaning[0].abs())
+                } else if covariance([a, b]).abs() > (LEANING * sides.x * sides.y / 12.0).max(SLIGHT) {
+                    usize::from((b.x * b.y).abs() > (a.x * a.y).abs())
                 } else {
                     break;
                 };
@@ -159,6 +164,11 @@ impl Parts {
 /// Half the sides of the upright box whose variances are those of a parallelogram.
 pub(super) fn half_sides([a, b]: [DVec2; 2]) -> DVec2 {
     DVec2::new(a.x.hypot(b.x), a.y.hypot(b.y)) * 0.5
+}
+
+/// Covariance of the columns and rows of a parallelogram.
+pub(super) fn covariance([a, b]: [DVec2; 2]) -> f64 {
+    (a.x * a.y + b.x * b.y) / 12.0
 }
 
 /// By how much movements along a row of the picture, at `v` from its upper end, are shortened before points are counted: towards the

@@ -1,7 +1,7 @@
 //! Panoramas: from one form of a picture of all directions to another, at any rotation.
 //!
 //! Every pixel is the mean over its footprint. Where the map from the target's pixels to the source is smooth, which is
-//! nearly everywhere, rectangles of pixels are read by vector kernels, from polynomials that are the map to 1/128 texel
+//! nearly everywhere, rectangles of pixels are read by vector kernels, from polynomials that are the map to 1/64 texel
 //! (`tile.rs`, `fill.rs`); around poles, rims and folds a pixel is the mean of points, each mapped by itself
 //! (`single.rs`). For filters that are asked for by
 //! name every pixel has a place and an analytic Jacobian, or several (`rest.rs`). Work is done in bands of rows, so memory beyond the two pictures stays the same for any size.

@@ -2,8 +2,9 @@
 //!
 //! In a rectangle of up to [`SIDE`] squared pixels whose map [`Chart`] meets, every pixel is the mean over upright boxes that
 //! stand for it or for its parts ([`Parts`]), by the vector kernels of `remap` (`fill.rs`); next to the edges of a cube's
-//! faces, of a regular grid of points ([`Grid`]). Where pixels are large a coarser level is read. Rectangles that the cubics do not meet are cut in two; those of [`LEAST`] pixels (around poles, rims and
-//! folds) are filled pixel by pixel (`single.rs`).
+//! faces, of a regular grid of points ([`Grid`]). Where pixels are large a coarser level is read.
+//! Rectangles that the cubics do not meet are cut into squares; those of [`LEAST`] pixels (around poles, rims and folds)
+//! are filled pixel by pixel (`single.rs`).
 
 use super::chart::{Chart, PLACES, places};
 use super::fill::{Places, Values};
@@ -25,9 +26,11 @@ pub(super) const SIDE: usize = 64;
 /// Pixels a side of a rectangle that is not cut any more.
 const LEAST: usize = 4;
 /// Largest error of the cubics, in texels.
-const TEXELS: f64 = 1.0 / 128.0;
+const TEXELS: f64 = 1.0 / 64.0;
 /// Or in pixels, where means are taken.
-const SHARE: f64 = 1.0 / 64.0;
+const SHARE: f64 = 1.0 / 32.0;
+/// How far too inexact a rectangle is that is to be cut once.
+const ONE_STEP: f64 = 2.0;
 /// Texels from a face's edge within which neighbours may be read.
 const EDGE: f64 = 4.0;
 
@@ -71,6 +74,9 @@ pub(super) struct Sheet {
     /// Whether texels around a face may be read.
     pub edge: bool,
 }
+
+/// What is known of a rectangle; else how many times less exact than allowed it is.
+type Sheets = std::result::Result<Vec<Sheet>, f64>;
 
 /// Room that every rectangle uses anew.
 pub(super) struct Room<T: Sample>
@@ -124,24 +130,28 @@ where
     }
 
     fn rect(&self, rect: Rect, first: usize, out: &mut [T], room: &mut Room<T>) -> Result<()> {
-        let Rect { x, y, w, h } = rect;
-        if let Some(sheets) = self.sheets(rect) {
-            return self.fill(rect, &sheets, first, out, room);
-        }
-        if w.max(h) <= LEAST {
+        let excess = match self.sheets(rect) {
+            Ok(sheets) => return self.fill(rect, &sheets, first, out, room),
+            Err(excess) => excess,
+        };
+        if rect.w.max(rect.h) <= LEAST {
             return self.singles(rect, first, out, room);
         }
-        let (left, upper) = if w >= h { (w / 2, h) } else { (w, h / 2) };
-        self.rect(Rect { w: left, h: upper, ..rect }, first, out, room)?;
-        if left < w {
-            self.rect(Rect { x: x + left, w: w - left, ..rect }, first, out, room)
-        } else {
-            self.rect(Rect { y: y + upper, h: h - upper, ..rect }, first, out, room)
+        // The error of cubics falls with the fourth power of the sides.
+        let wanted = (excess.log2() / 4.0).ceil();
+        let halvings = if wanted.is_finite() { wanted.clamp(1.0, 2.0) as u32 } else { 1 };
+        let side = (rect.w.max(rect.h).next_power_of_two() >> halvings).max(LEAST);
+        for y in (0..rect.h).step_by(side) {
+            for x in (0..rect.w).step_by(side) {
+                let (w, h) = (side.min(rect.w - x), side.min(rect.h - y));
+                self.rect(Rect { x: rect.x + x, y: rect.y + y, w, h }, first, out, room)?;
+            }
         }
+        Ok(())
     }
 
-    /// The maps of a rectangle, one for each picture of the source that it meets.
-    fn sheets(&self, rect: Rect) -> Option<Vec<Sheet>> {
+    /// The maps of a rectangle, one for each picture of the source that it meets, or how far too inexact they would be.
+    fn sheets(&self, rect: Rect) -> Sheets {
         /// Pixels by which corners are drawn in, so that they lie on one side of the line between two pieces.
         const IN: f64 = 1e-6;
         let Rect { x, y, w, h } = rect;
@@ -149,13 +159,13 @@ where
         let (corner, sides) = (DVec2::new(x as f64, y as f64), DVec2::new(w as f64, h as f64));
         let uv = |p: DVec2| (corner + (p + 1.0) * 0.5 * (sides - 2.0 * IN) + IN) / size;
         let piece = |x: f64, y: f64| self.target.form.piece(uv(DVec2::new(x, y)));
-        let own = piece(-1.0, -1.0)?;
+        let own = piece(-1.0, -1.0).ok_or(ONE_STEP)?;
         if [(1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].into_iter().any(|(x, y)| piece(x, y) != Some(own)) {
-            return None;
+            return Err(ONE_STEP);
         }
         let mut directions = [DVec3::ZERO; PLACES];
         for (d, p) in directions.iter_mut().zip(places()) {
-            *d = self.target.rotation * self.target.map.unplace(uv(p))?;
+            *d = self.target.rotation * self.target.map.unplace(uv(p)).ok_or(ONE_STEP)?;
         }
         if matches!(self.form, Form::Cube(_)) {
             return self.cube_sheets(rect, &directions);
@@ -166,9 +176,9 @@ where
         let mut patch = None;
         for (value, d) in values.iter_mut().zip(directions) {
             let uv = self.map.place(d);
-            let here = self.form.patch(d, uv, whole)?;
+            let here = self.form.patch(d, uv, whole).ok_or(ONE_STEP)?;
             if !uv.is_finite() || *patch.get_or_insert(here) != here {
-                return None;
+                return Err(ONE_STEP);
             }
             *value = uv * texels;
         }
@@ -179,22 +189,24 @@ where
                 value.x -= texels.x * ((value.x - from) / texels.x).round();
             }
         }
-        Some(vec![Sheet { face: 0, chart: self.chart(rect, &values)?, edge: false }])
+        Ok(vec![Sheet { face: 0, chart: self.chart(rect, &values)?, edge: false }])
     }
 
     /// The polynomials, where they are the map.
-    fn chart(&self, rect: Rect, values: &[DVec2; PLACES]) -> Option<Chart> {
+    fn chart(&self, rect: Rect, values: &[DVec2; PLACES]) -> std::result::Result<Chart, f64> {
         Chart::fit(values, |chart, p, off| {
-            let is_less = |v: DVec2, limit: f64| v.abs().cmple(DVec2::splat(limit)).all();
-            let in_pixels = || {
-                let [x, y] = chart.footprint(rect, p);
-                DMat2::from_cols(x, y).inverse() * off
-            };
-            is_less(off, TEXELS) || (self.show == Show::Mean && is_less(in_pixels(), SHARE))
+            let texels = off.abs().max_element() / TEXELS;
+            if texels <= 1.0 || self.show != Show::Mean {
+                return texels;
+            }
+            let [x, y] = chart.footprint(rect, p);
+            let pixels = DMat2::from_cols(x, y).inverse() * off;
+            // Where a pixel has no area the texels count.
+            if pixels.is_finite() { texels.min(pixels.abs().max_element() / SHARE) } else { texels }
         })
     }
 
-    fn cube_sheets(&self, rect: Rect, directions: &[DVec3; PLACES]) -> Option<Vec<Sheet>> {
+    fn cube_sheets(&self, rect: Rect, directions: &[DVec3; PLACES]) -> Sheets {
         let n = self.pictures.size().x;
         let mut met: Vec<Face> = Vec::new();
         // The middle's face comes first.
@@ -209,13 +221,13 @@ where
             for (value, d) in values.iter_mut().zip(directions) {
                 let uv = face.project(*d, [DVec3::ZERO; 2]).uv;
                 if !uv.is_finite() {
-                    return None;
+                    return Err(ONE_STEP);
                 }
                 *value = uv * n;
             }
             let inside = |v: &DVec2| v.min_element() > EDGE && v.max_element() < n - EDGE;
             let edge = !values.iter().all(inside);
-            Some(Sheet { face: face.index(), chart: self.chart(rect, &values)?, edge })
+            Ok(Sheet { face: face.index(), chart: self.chart(rect, &values)?, edge })
         };
         met.iter().map(sheet).collect()
     }
@@ -225,24 +237,27 @@ where
         if self.show != Show::Mean {
             return Grid::CENTRE;
         }
-        Grid::of(self.footprints(rect, sheet).into_iter(), self.pictures.last_level())
+        let alike = self.alike(sheet);
+        let shorter = DVec2::new(alike, 1.0);
+        let footprints = footprints(rect, sheet).map(|sides| sides.map(|x| x * shorter));
+        Grid::of(footprints.into_iter(), self.pictures.last_level())
     }
 
     /// The boxes of the pixels of a rectangle.
     pub(super) fn parts(&self, rect: Rect, sheet: &Sheet) -> Parts {
-        Parts::of(&self.footprints(rect, sheet), self.pictures.last_level())
+        Parts::of(&footprints(rect, sheet), self.alike(sheet), self.pictures.last_level())
     }
 
-    /// What a pixel right and a pixel down add, in texels of the first level, in the middle and the corners; along rings
-    /// around poles as [`along_row`] says.
-    fn footprints(&self, rect: Rect, sheet: &Sheet) -> [[DVec2; 2]; 5] {
-        let height = self.pictures.size().y;
-        let places = [[0.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(DVec2::from_array);
-        places.map(|p| {
-            let shorter = DVec2::new(along_row(self.form, sheet.chart.at(p).y / height), 1.0);
-            sheet.chart.footprint(rect, p).map(|x| x * shorter)
-        })
+    /// [`along_row`] in the middle of a rectangle.
+    fn alike(&self, sheet: &Sheet) -> f64 {
+        along_row(self.form, sheet.chart.at(DVec2::ZERO).y / self.pictures.size().y)
     }
+}
+
+/// What a pixel right and a pixel down add, in texels of the first level, in the middle and the corners of a rectangle.
+fn footprints(rect: Rect, sheet: &Sheet) -> [[DVec2; 2]; 5] {
+    let places = [[0.0, 0.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(DVec2::from_array);
+    places.map(|p| sheet.chart.footprint(rect, p))
 }
 
 impl Chart {

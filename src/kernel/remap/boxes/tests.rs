@@ -60,18 +60,24 @@ fn compare<T: Sample + PartialEq + std::fmt::Debug>(
     for edges in [[Edge::Repeat, Edge::Clamp], [Edge::Border; 2], [Edge::Mirror; 2]] {
         let source = Source::new(&data, w, h, channels, w * channels).expect("fits");
         let job = Job::new(source, Interpolation::Bilinear, edges, &border, Outside::Colour).expect("fits");
-        for half in [[[0.5, 0.0], [0.5, 0.0]], [[1.0, -0.003], [0.02, 0.003]], [[0.0, 0.0], [3.0, 0.0]]] {
-            let given = Boxes { x: &x, y: &y, half };
+        for (half, lean) in [
+            ([[0.5, 0.0], [0.5, 0.0]], [0.0, 0.0]),
+            ([[1.0, -0.003], [0.02, 0.003]], [0.0, 0.0]),
+            ([[0.0, 0.0], [3.0, 0.0]], [0.0, 0.0]),
+            ([[0.6, 0.001], [0.9, 0.0]], [-0.2, 0.002]),
+        ] {
+            let given = Boxes { x: &x, y: &y, half, lean };
+            let taps = &mut Taps::default();
             let mut want = vec![T::default(); n * channels];
-            boxes(Isa::Scalar, &job, &given, &mut want).expect("fits");
+            boxes(Isa::Scalar, &job, &given, taps, &mut want).expect("fits");
             let mut wide = vec![T::Acc::default(); n * channels];
-            box_numbers(Isa::Scalar, &job, &given, &mut wide).expect("fits");
+            box_numbers(Isa::Scalar, &job, &given, taps, &mut wide).expect("fits");
             for isa in Isa::available() {
                 let mut got = vec![T::default(); n * channels];
-                boxes(isa, &job, &given, &mut got).expect("fits");
+                boxes(isa, &job, &given, taps, &mut got).expect("fits");
                 assert_eq!(got, want, "{isa:?}");
                 let mut numbers = vec![T::Acc::default(); n * channels];
-                box_numbers(isa, &job, &given, &mut numbers).expect("fits");
+                box_numbers(isa, &job, &given, taps, &mut numbers).expect("fits");
                 assert!(numbers == wide, "{isa:?}");
             }
             for i in 1..n {
@@ -88,7 +94,14 @@ fn compare<T: Sample + PartialEq + std::fmt::Debug>(
                         value.get().wide()
                     };
                     let at = [f64::from(x[i]), f64::from(y[i])];
-                    let true_mean = truth(texel, at, [side(0), side(1)]);
+                    let mean = |dx: f64, dy: f64| truth(texel, [at[0] + dx, at[1] + dy], [side(0), side(1)]);
+                    let mut true_mean = mean(0.0, 0.0);
+                    if lean[0] != 0.0 {
+                        let across =
+                            |e: f64| (mean(e, e) - mean(-e, e) - mean(e, -e) + mean(-e, -e)) / (4.0 * e * e);
+                        let lean = f64::from(lean[0] + lean[1] * i as f32).clamp(-0.4, 0.4);
+                        true_mean += lean * across(1e-4);
+                    }
                     let off = (wide[i * channels + c].wide() - true_mean).abs() / full;
                     assert!(off < bound, "{at:?} {half:?}: {off}");
                 }
@@ -97,16 +110,18 @@ fn compare<T: Sample + PartialEq + std::fmt::Debug>(
     }
 }
 
-/// Against the integral. Places are singles: near 30 off by 2^-20; bytes add six roundings of half of 1/128 of a code and six of
-/// weights by 2^-16 of at most 255 codes.
+/// Against the integral, and its second derivative across. Places are singles: near 30 off by 2^-20; bytes add twelve
+/// roundings of half of 1/128 of a code and twelve of weights by 2^-16 of at most 255 codes; the differences are of steps
+/// of 1e-4, across which slopes of up to two a texel squared bend.
 #[test]
 fn boxes_are_integrals_on_every_set() {
     for channels in 1..=5 {
-        let bytes = 6.0 * 0.5 / 128.0 / 255.0 + 6.0 / 65_536.0 + 1e-5;
+        let slack = 2e-4;
+        let bytes = 12.0 * 0.5 / 128.0 / 255.0 + 12.0 / 65_536.0 + slack;
         compare(channels, |x| (x * 255.0).round() as u8, 255.0, bytes);
-        compare(channels, |x| (x * 65_535.0).round() as u16, 65_535.0, 1e-5);
-        compare(channels, |x| x as f32, 1.0, 1e-5);
-        compare(channels, |x| x, 1.0, 1e-5);
+        compare(channels, |x| (x * 65_535.0).round() as u16, 65_535.0, slack);
+        compare(channels, |x| x as f32, 1.0, slack);
+        compare(channels, |x| x, 1.0, slack);
     }
 }
 
@@ -120,8 +135,8 @@ fn equal_texels_stay() {
             .expect("fits");
         let x: Vec<f32> = (0..200).map(|i| i as f32 * 0.071 - 1.0).collect();
         let mut out = vec![7; 600];
-        let given = Boxes { x: &x, y: &x, half: [[0.0, 0.01], [0.9, 0.0]] };
-        boxes(Isa::current(), &job, &given, &mut out).expect("fits");
+        let given = Boxes { x: &x, y: &x, half: [[0.0, 0.01], [0.9, 0.0]], lean: [0.3, -0.004] };
+        boxes(Isa::current(), &job, &given, &mut Taps::default(), &mut out).expect("fits");
         assert!(out.iter().all(|v| *v == value));
     }
 }
@@ -132,8 +147,9 @@ fn lengths_are_checked() {
     let source = Source::new(&data, 2, 2, 1, 2).expect("fits");
     let job =
         Job::new(source, Interpolation::Bilinear, [Edge::Clamp; 2], &[0.0], Outside::Colour).expect("fits");
-    let given = Boxes { x: &[0.0; 2], y: &[0.0], half: [[0.5, 0.0]; 2] };
-    assert!(boxes(Isa::current(), &job, &given, &mut [0.0; 2]).is_err());
-    let given = Boxes { x: &[0.0; 2], y: &[0.0; 2], half: [[0.5, 0.0]; 2] };
-    assert!(boxes(Isa::current(), &job, &given, &mut [0.0; 3]).is_err());
+    let given = Boxes { x: &[0.0; 2], y: &[0.0], half: [[0.5, 0.0]; 2], lean: [0.0; 2] };
+    let taps = &mut Taps::default();
+    assert!(boxes(Isa::current(), &job, &given, taps, &mut [0.0; 2]).is_err());
+    let given = Boxes { x: &[0.0; 2], y: &[0.0; 2], half: [[0.5, 0.0]; 2], lean: [0.0; 2] };
+    assert!(boxes(Isa::current(), &job, &given, taps, &mut [0.0; 3]).is_err());
 }
