@@ -206,21 +206,24 @@ def test_docstrings() -> None:
     assert mt.panorama is panorama
 
 
-def test_rows_in_bands_keep_memory_flat() -> None:
-    """8192 x 4096 to a cube: beyond source, result and levels, megabytes, as a process of its own sees them."""
+@pytest.mark.parametrize("call", ["size=2048", "target='equirect', size=(8192, 4096), rotation=turn"])
+def test_rows_in_bands_keep_memory_flat(call: str) -> None:
+    """8192 x 4096: beyond source, result and levels, megabytes, as a process of its own sees them."""
     code = """
 import resource
 import numpy as np
 import multum as mt
 
 sky = np.zeros((4096, 8192), np.uint8)
-sky += np.arange(4096, dtype=np.uint8)[:, None]
+sky += (np.arange(4096) % 256).astype(np.uint8)[:, None]
+turn = mt.panorama.rotation(20, 35, 10)
 mt.panorama.convert(sky[:64, :128].copy(), size=8)
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-made = mt.panorama.convert(sky, size=2048, threads=2)
+made = mt.panorama.convert(sky, CALL, threads=2)
 after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 print((after - before) * 1024 - made.nbytes)
 """
+    code = code.replace("CALL", call)
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     extra = int(run.stdout)
     # A third of the source for levels, the rows next to the poles, and what the threads hold.

@@ -126,9 +126,11 @@ def test_a_walk_over_poles_and_corners_is_smooth(form: str, filter: str) -> None
         pixel = 0.2
         forward = (np.cos(angle) * t - np.sin(angle) * s) * pixel
         got = sky.sample(d, forward, np.broadcast_to(side * pixel, d.shape), filter=filter)[:, 0]
-        # A step is 1/4000 of a pixel, and texels differ by up to 1: a filter that is continuous moves by that and by what
-        # single probes weigh as they come and go.
-        assert np.abs(np.diff(got)).max() < (0.003 if filter in ("bilinear", "trilinear", "anisotropic") else 0.03)
+        # A step is 1/4000 of a pixel, and texels differ by up to 1: a filter that is continuous moves by that and
+        # by what single probes weigh as they come and go.
+        assert np.abs(np.diff(got)).max() < (
+            0.003 if filter in ("bilinear", "trilinear", "anisotropic") else 0.03
+        )
 
 
 def test_directions_of_any_length_and_kind() -> None:
