@@ -42,4 +42,4 @@ def checkerboard(
         shape = (*array.shape[:-1], 2, 2)
         if values.shape != shape and values.shape == (2, 2):
             values = np.broadcast_to(values, shape)
-    return _multum.checkerboard(array, pair("cells", both), values)
+    return _multum.checkerboard(array, pair("cells", both.tolist()), values)
