@@ -75,30 +75,37 @@ pub fn for_each<T: Send>(
     work: impl Fn(usize, T) -> Result<()> + Sync,
 ) -> Result<()> {
     let total = tiles.len();
+    let queue = Mutex::new(tiles.enumerate());
+    in_turn(total, &|end| {
+        let next = {
+            let mut queue = queue.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            if total - queue.len() >= end { None } else { queue.next() }
+        };
+        next.map(|(i, tile)| work(i, tile))
+    })
+}
+
+/// Calls `step` until all of `total` tiles are done; `step(end)` works on the next tile, if it is before number `end`.
+/// Compiled once, whatever the work.
+fn in_turn(total: usize, step: &(dyn Fn(usize) -> Option<Result<()>> + Sync)) -> Result<()> {
     // Asking how many threads there are takes longer than a small tile.
     let threads = if total > 1 { num_threads().min(total) } else { 1 };
-    if total <= 1 || threads <= 1 {
-        for (i, tile) in tiles.enumerate() {
+    if threads <= 1 {
+        for i in 0..total {
             if i % TILES_PER_CHECK == TILES_PER_CHECK - 1 {
                 check_interrupt(i as f64 / total as f64)?;
             }
-            work(i, tile)?;
+            step(total).unwrap_or(Ok(()))?;
         }
         return Ok(());
     }
-    let queue = Mutex::new(tiles.enumerate());
     let mut done = 0;
     while done < total {
         let end = total.min(done + TILES_PER_CHECK.max(threads));
         let failed = Mutex::new(None);
-        run_on_pool(threads, || {
-            loop {
-                let next = {
-                    let mut queue = queue.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                    if total - queue.len() >= end { None } else { queue.next() }
-                };
-                let Some((i, tile)) = next else { break };
-                if let Err(error) = work(i, tile) {
+        run_on_pool(threads, &|| {
+            while let Some(result) = step(end) {
+                if let Err(error) = result {
                     *failed.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(error);
                     break;
                 }
@@ -115,18 +122,23 @@ pub fn for_each<T: Send>(
     Ok(())
 }
 
+/// Runs `work`, on the calling thread alone where there are fewer than [`SERIAL`] pixels in all.
+pub fn alone_below<R>(pixels: usize, work: impl FnOnce() -> R) -> R {
+    if pixels < SERIAL { with_threads(Some(1), work) } else { work() }
+}
+
 /// As [`for_each`], on the calling thread alone where there are fewer than [`SERIAL`] pixels in all.
 pub fn for_pixels<T: Send>(
     pixels: usize,
     tiles: impl ExactSizeIterator<Item = T> + Send,
     work: impl Fn(usize, T) -> Result<()> + Sync,
 ) -> Result<()> {
-    if pixels < SERIAL { with_threads(Some(1), || for_each(tiles, work)) } else { for_each(tiles, work) }
+    alone_below(pixels, || for_each(tiles, work))
 }
 
 /// Calls `worker` once on each of `threads` threads and waits for them.
 #[cfg(feature = "rayon")]
-fn run_on_pool(threads: usize, worker: impl Fn() + Sync) {
+fn run_on_pool(threads: usize, worker: &(dyn Fn() + Sync)) {
     // The pool of a forked child has no living threads: keep one pool a process.
     static POOL: Mutex<Option<(u32, usize, std::sync::Arc<rayon::ThreadPool>)>> = Mutex::new(None);
     let pool = {
@@ -163,7 +175,7 @@ fn run_on_pool(threads: usize, worker: impl Fn() + Sync) {
 }
 
 #[cfg(not(feature = "rayon"))]
-fn run_on_pool(_threads: usize, worker: impl Fn() + Sync) {
+fn run_on_pool(_threads: usize, worker: &(dyn Fn() + Sync)) {
     worker();
 }
 

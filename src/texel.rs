@@ -112,12 +112,12 @@ macro_rules! integer_texel {
             }
             #[inline(always)]
             fn from_f64(x: f64) -> Self {
-                // `as` saturates and sends NaN to 0.
-                (x + 0.5).floor() as $type
+                // Below zero `as` saturates and above it truncation is floor; NaN becomes 0.
+                (x + 0.5) as $type
             }
             #[inline(always)]
             fn from_f32(x: f32) -> Self {
-                // Below zero `as` saturates and above it truncation is floor.
+                // As above.
                 (x + 0.5) as $type
             }
         }

@@ -34,7 +34,7 @@ pub(crate) use anisotropic::anisotropic;
 pub(crate) use area::area;
 use area::blended;
 pub use auto::mean_share;
-pub(crate) use auto::{auto, auto_within, is_smooth};
+pub(crate) use auto::{Shape, Shapes, auto, auto_within, is_smooth};
 pub(crate) use bicubic::{Cubic, bicubic, bicubic_gradient};
 pub(crate) use bilinear::{bilinear, bilinear_gradient};
 pub use effort::Effort;

@@ -378,7 +378,9 @@ fn reduced(wrap: Wrap, n: f64, places: &[f64; BLOCK]) -> [f64; BLOCK] {
     if !outside && wrap != Wrap::Mirror101 {
         return reduced;
     }
-    if wrap == Wrap::Mirror101 || most.is_nan() || most >= EXACT {
+    // No number is too large.
+    let is_near = most < EXACT;
+    if wrap == Wrap::Mirror101 || !is_near {
         reduced.iter_mut().for_each(|x| *x = wrap.reduce(*x, n).0);
         return reduced;
     }

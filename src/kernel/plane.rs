@@ -79,6 +79,10 @@ impl<T: Copy + Default> Plane<'_, T> {
             let t = &self.data[at..at + 2];
             return [t[0], zero, zero, zero, t[1], zero, zero, zero];
         }
+        if self.lanes == 3 && self.channels == 3 {
+            let t = &self.data[at..at + 6];
+            return [t[0], t[1], t[2], zero, t[3], t[4], t[5], zero];
+        }
         let last = &self.data[at + self.lanes..at + self.lanes + self.channels];
         let first = &self.data[at..at + self.channels];
         let (mut a, mut b) = ([zero; 4], [zero; 4]);

@@ -4,7 +4,7 @@ use super::Sampler;
 use super::finish::{Codes, Finish, Results, Slots};
 use super::places::Places;
 use crate::error::Result;
-use crate::filter::{BLOCK, Block, Probes, Query, Reader, Samples, Scratch};
+use crate::filter::{BLOCK, Block, Filter, Probes, Query, Reader, Samples, Scratch, Shapes, auto};
 use crate::image::Element;
 use crate::kernel::lanes::with_lanes;
 use crate::kernel::{Isa, Work, compiled_for};
@@ -29,8 +29,22 @@ impl<T: Element, D: Decode<T>> Work for Averages<'_, T, D> {
     type Output = ();
     #[inline(always)]
     fn run(self) {
-        for ((query, lod), average) in self.queries.iter().zip(self.out) {
-            *average = self.sampler.average(self.r, query, *lod);
+        let Self { sampler, r, queries, out } = self;
+        let as_given = sampler.lod_bias == 0.0 && queries.iter().all(|(_, lod)| lod.is_none());
+        if sampler.filter == Filter::Auto && sampler.tolerance.is_none() && as_given {
+            let mut shapes = Shapes::NONE;
+            shapes.find(queries);
+            for (k, ((query, lod), average)) in queries.iter().zip(out).enumerate() {
+                let is_place = query.s.is_finite() && query.t.is_finite();
+                *average = match sampler.parts(r, query, *lod) {
+                    [1, 1] if is_place => auto(r, query, &shapes.at(k), 1.0),
+                    _ => sampler.average(r, query, *lod),
+                };
+            }
+            return;
+        }
+        for ((query, lod), average) in queries.iter().zip(out) {
+            *average = sampler.average(r, query, *lod);
         }
     }
 }

@@ -2,7 +2,9 @@
 
 use super::Sampler;
 use crate::filter::{Cubic, Filter, Query, Reader, anisotropic, bicubic, bilinear};
-use crate::filter::{area, auto, auto_within, ewa, exact, is_smooth, mipmap, nearest, sat, stochastic};
+use crate::filter::{
+    Shape, area, auto, auto_within, ewa, exact, is_smooth, mipmap, nearest, sat, stochastic,
+};
 use crate::footprint::Bend;
 use crate::image::Element;
 use crate::num::Real;
@@ -91,7 +93,7 @@ impl Sampler {
                 let query = query.with_lod(lod, self.lod_bias);
                 match self.tolerance {
                     Some(tolerance) => auto_within(r, &query, tolerance),
-                    None => auto(r, &query, ease),
+                    None => auto(r, &query, &Shape::new(query.jacobian_tx), ease),
                 }
             }
             Filter::Anisotropic if lod.is_none() => anisotropic(r, query, self.max_anisotropy, self.lod_bias),

@@ -58,6 +58,19 @@ pub(super) fn difference(before: f64, here: f64, after: f64, period: Option<f64>
     if back.is_finite() & forward.is_finite() { both } else { one }
 }
 
+/// Place, Jacobian, and relative slope of the denominator, by the quotient rule: `d(X/w) = (dX - (X/w) dw)/w`.
+#[inline(always)]
+pub(super) fn perspective(
+    [[a, b, c], [d, e, f], [g, h, i]]: &[[f64; 3]; 3],
+    x: f64,
+    y: f64,
+) -> ([f64; 2], [[f64; 2]; 2], [f64; 2]) {
+    let w = 1.0 / (g * x + h * y + i);
+    let (px, py) = ((a * x + b * y + c) * w, (d * x + e * y + f) * w);
+    let jacobian = [[(a - px * g) * w, (b - px * h) * w], [(d - py * g) * w, (e - py * h) * w]];
+    ([px, py], jacobian, [g * w, h * w])
+}
+
 /// A difference without whole periods.
 #[inline(always)]
 fn shortest(d: f64, period: Option<f64>) -> f64 {
@@ -173,12 +186,9 @@ impl Mapping<'_> {
                 let jacobian = Jacobian::new([[*a, *b], [*d, *e]]);
                 query_at(a * x + b * y + c, d * x + e * y + f, jacobian, Bend::None)
             }
-            Self::Projective([[a, b, c], [d, e, f], [g, h, i]]) => {
-                // The quotient rule: d(X/w) = (dX - (X/w) dw)/w.
-                let w = 1.0 / (g * x + h * y + i);
-                let (px, py) = ((a * x + b * y + c) * w, (d * x + e * y + f) * w);
-                let jacobian = [[(a - px * g) * w, (b - px * h) * w], [(d - py * g) * w, (e - py * h) * w]];
-                query_at(px, py, Jacobian::new(jacobian), Bend::Perspective([g * w, h * w]))
+            Self::Projective(rows) => {
+                let ([px, py], jacobian, bend) = perspective(rows, x, y);
+                query_at(px, py, Jacobian::new(jacobian), Bend::Perspective(bend))
             }
             Self::Single(maps) => maps.query(at, size, shape),
             Self::Double(maps) => maps.query(at, size, shape),

@@ -1,6 +1,6 @@
 //! The output pixels of a warp as places to be sampled.
 
-use super::mapping::{Mapping, Maps, difference};
+use super::mapping::{Mapping, Maps, difference, perspective};
 use crate::filter::{BLOCK, Query, Samples, bounded};
 use crate::kernel::{Isa, Work, compiled_for};
 use crate::sampler::Places;
@@ -58,17 +58,44 @@ impl Work for Run<'_> {
         match self.pixels.mapping {
             Mapping::Single(maps) => self.mapped(maps),
             Mapping::Double(maps) => self.mapped(maps),
-            matrix => {
-                for k in 0..self.count {
-                    let query = matrix.query([self.at[0] + k, self.at[1]], self.pixels.size, false);
-                    self.samples.set(self.slot + k, &query.bounded(), None);
-                }
-            }
+            Mapping::Affine(rows) => self.affine(*rows),
+            Mapping::Projective(rows) => self.projective(*rows),
         }
     }
 }
 
 impl Run<'_> {
+    /// Pixels of a matrix, as [`Mapping::query`] has them.
+    #[inline(always)]
+    fn affine(self, [[a, b, c], [d, e, f]]: [[f64; 3]; 2]) {
+        let Self { at, count, slot, samples, .. } = self;
+        let y = at[1] as f64;
+        for (entry, value) in samples.m.iter_mut().zip([a, b, d, e]) {
+            entry[slot..][..count].fill(bounded(value));
+        }
+        samples.lod[slot..][..count].fill(None);
+        let places = samples.s[slot..][..count].iter_mut().zip(&mut samples.t[slot..][..count]);
+        for (k, (s, t)) in places.enumerate() {
+            let x = column(at[0], k);
+            (*s, *t) = ((a * x + b * y + c) + 0.5, (d * x + e * y + f) + 0.5);
+        }
+    }
+
+    /// Likewise, with a perspective.
+    #[inline(always)]
+    fn projective(self, rows: [[f64; 3]; 3]) {
+        let Self { at, count, slot, samples, .. } = self;
+        let y = at[1] as f64;
+        let Samples { s, t, m: [dx, dy, ex, ey], lod } = samples;
+        let [s, t, dx, dy, ex, ey] = [s, t, dx, dy, ex, ey].map(|part| &mut part[slot..][..count]);
+        lod[slot..][..count].fill(None);
+        for k in 0..count {
+            let ([px, py], [[a, b], [c, d]], _) = perspective(&rows, column(at[0], k), y);
+            (s[k], t[k]) = (px + 0.5, py + 0.5);
+            (dx[k], dy[k], ex[k], ey[k]) = (bounded(a), bounded(b), bounded(c), bounded(d));
+        }
+    }
+
     /// Pixels of a map: those with neighbours on all sides together.
     #[inline(always)]
     fn mapped<U: Copy + Into<f64>>(self, maps: &Maps<'_, U>) {
@@ -102,6 +129,12 @@ impl Run<'_> {
         );
         self.samples.lod[slot..slot + inner.len()].fill(None);
     }
+}
+
+/// Column `first + k`: 32 bits, which become doubles in one step.
+#[inline(always)]
+fn column(first: usize, k: usize) -> f64 {
+    first as f64 + f64::from(k as u32)
 }
 
 /// One coordinate of a map.

@@ -12,6 +12,7 @@ mod cells;
 mod fold;
 mod polygon;
 mod predict;
+mod shape;
 mod within;
 
 use super::effort::{self, Effort};
@@ -21,6 +22,7 @@ use crate::num::Real;
 use crate::texel::Texel;
 use crate::texture::Decode;
 use predict::Choice;
+pub(crate) use shape::{Shape, Shapes};
 use within::Found;
 
 /// Length of the footprint's major axis, in texels, from which the mean alone is shown.
@@ -34,14 +36,19 @@ pub fn mean_share(sigma1: f64) -> f64 {
     x * x * (3.0 - 2.0 * x)
 }
 
-/// The filter at one place; `ease` times the usual error will do.
+/// The filter at one place, for a footprint of this shape; `ease` times the usual error will do.
 #[inline(never)]
-pub(crate) fn auto<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, query: &Query, ease: f64) -> [T::Real; 4] {
-    let sigma1 = query.jacobian_tx.sigma1();
+pub(crate) fn auto<T: Texel, D: Decode<T>>(
+    r: &Reader<'_, T, D>,
+    query: &Query,
+    shape: &Shape,
+    ease: f64,
+) -> [T::Real; 4] {
+    let sigma1 = shape.sigma1;
     if sigma1 <= 1.0 {
         return bilinear(r, 0, query.s, query.t);
     }
-    let mean = mean(r, query, ease);
+    let mean = mean(r, query, shape, ease);
     let share = mean_share(sigma1);
     if share == 1.0 {
         return mean;
@@ -52,13 +59,18 @@ pub(crate) fn auto<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, query: &Query, 
 /// Whether one look-up will do for all of a pixel, whatever its shape.
 #[inline(never)]
 pub(crate) fn is_smooth<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, query: &Query) -> bool {
-    predict::choose(r, query, 1.0).is_some_and(|choice| choice.share == 0.0)
+    predict::choose(r, query, &Shape::new(query.jacobian_tx), 1.0).is_some_and(|choice| choice.share == 0.0)
 }
 
 /// The mean over the footprint, about as exact as was decided.
 #[inline(always)]
-fn mean<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, query: &Query, ease: f64) -> [T::Real; 4] {
-    let Some(choice) = predict::choose(r, query, ease) else {
+fn mean<T: Texel, D: Decode<T>>(
+    r: &Reader<'_, T, D>,
+    query: &Query,
+    shape: &Shape,
+    ease: f64,
+) -> [T::Real; 4] {
+    let Some(choice) = predict::choose(r, query, shape, ease) else {
         return area(r, query);
     };
     let Choice { smooth, share, level, trusted } = choice;
@@ -133,12 +145,12 @@ pub(super) fn effort_within<T: Texel, D: Decode<T>>(
 
 /// What [`auto`] spends: the texels, not the entries of the table by which it decides.
 pub(super) fn effort<T: Texel, D: Decode<T>>(r: &Reader<'_, T, D>, query: &Query, ease: f64) -> Effort {
-    let sigma1 = query.jacobian_tx.sigma1();
-    if sigma1 <= 1.0 {
+    let shape = Shape::new(query.jacobian_tx);
+    if shape.sigma1 <= 1.0 {
         return Effort::new(4.0, 0.0);
     }
-    let point = if sigma1 < FULL { 4.0 } else { 0.0 };
-    let Some(Choice { smooth, share, level, .. }) = predict::choose(r, query, ease) else {
+    let point = if shape.sigma1 < FULL { 4.0 } else { 0.0 };
+    let Some(Choice { smooth, share, level, .. }) = predict::choose(r, query, &shape, ease) else {
         return Effort::new(4.0, r.last_level() as f32);
     };
     let levels = if lod::split(smooth).1 > 0.0 { 2.0 } else { 1.0 };
