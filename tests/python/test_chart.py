@@ -50,6 +50,23 @@ def test_a_verdict_names_the_quickest_point_that_is_as_accurate() -> None:
     assert (best.own, best.ratio, best.dominated) == (None, 0.0, False)
 
 
+def test_a_price_is_beside_the_cheapest_fixed_setting_that_is_as_accurate() -> None:
+    points = [
+        point("auto", 60, 1.0),
+        point("auto 1/64", 20, 1.0),
+        point("rough", 5, 1.1),
+        point("area", 50, 1.0),
+        point("exact", 500, 0.1),
+        point("theirs", 1, 0.1, "peer"),
+    ]
+    (price,) = pareto.prices(points, "multum", "auto")
+    assert (price.fixed.method, price.ratio) == ("area", 1.2)
+    assert pareto.prices(points[:3], "multum", "auto") == []
+    lines = report.Chart({}, points).economy()
+    assert "over 1.33 in 0 of 1" in lines[0]
+    assert lines[1].endswith("area 50.0 ns, rms 1.000: 1.20")
+
+
 def test_errors_are_those_of_the_blocks() -> None:
     random = np.random.default_rng(1)
     picture, exact = random.random((32, 32, 3)), random.random((2, 8, 8, 3))

@@ -56,6 +56,9 @@ def write(made: Chart, shown: Sequence[tuple[Case, Contest]], folder: Path) -> N
         _image(overview, "Summary"),
         "<h2>Peers, and how often some multum point is as accurate and as fast</h2>",
         f"<pre>{html.escape(chr(10).join(made.domination()))}</pre>",
+        "<h2>What it costs to choose</h2>",
+        f"<pre>{html.escape(chr(10).join(made.economy()))}</pre>",
+        "<h2>All settings</h2>",
         f"<pre>{html.escape(chr(10).join(made.table()))}</pre>",
     ]
     if made.absences:

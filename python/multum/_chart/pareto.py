@@ -57,3 +57,35 @@ def verdicts(points: Sequence[Point], family: str) -> list[Verdict]:
         ]
         found.append(Verdict(peer, min(able, key=lambda p: p.ns, default=None)))
     return found
+
+
+@dataclass(frozen=True)
+class Price:
+    """What a setting that chooses for itself costs, beside the cheapest fixed one that is as accurate."""
+
+    chooser: Point
+    fixed: Point
+
+    @property
+    def ratio(self) -> float:
+        """Time over the fixed setting's time."""
+        return self.chooser.ns / self.fixed.ns
+
+
+def prices(points: Sequence[Point], family: str, chooser: str) -> list[Price]:
+    """One for each scene, texture and kind in which another own setting is as accurate as ``chooser``."""
+    own = [p for p in points if p.family == family]
+    found = []
+    for point in own:
+        if point.method != chooser:
+            continue
+        able = [
+            p
+            for p in own
+            if (p.scene, p.texture, p.kind) == (point.scene, point.texture, point.kind)
+            and p.rms <= point.rms * _SAME_ERROR
+            and not p.method.startswith("auto")
+        ]
+        if able:
+            found.append(Price(point, min(able, key=lambda p: p.ns)))
+    return found

@@ -13,7 +13,7 @@ import numpy as np
 from .._multum import __version__
 from .measure import Absence, Point
 from .own import FAMILY
-from .pareto import Verdict, verdicts
+from .pareto import Verdict, prices, verdicts
 
 
 @dataclass
@@ -87,6 +87,24 @@ class Chart:
             lines.append(f"{family} {name}: dominated in {won} of {len(group)} cases, {_typical(group)}")
             for v in sorted((v for v in group if not v.dominated), key=lambda v: v.ratio):
                 lines.append(f"    {_short(v)}")
+        return lines
+
+    def economy(self) -> list[str]:
+        """What ``auto`` costs beside the cheapest fixed setting that is as accurate: the cases, dearest first."""
+        found = sorted(prices(self.points, FAMILY, "auto"), key=lambda p: -p.ratio)
+        if not found:
+            return []
+        middle, dear = np.median([p.ratio for p in found]), sum(p.ratio > 4 / 3 for p in found)
+        lines = [
+            f"auto beside the cheapest fixed setting that is as accurate: {middle:.2f} of its time in the middle "
+            f"case, over 1.33 in {dear} of {len(found)}"
+        ]
+        for p in found:
+            where = f"{p.chooser.scene}, {p.chooser.texture}, {p.chooser.kind}"
+            lines.append(
+                f"    {where}: {p.chooser.ns:.1f} ns, rms {p.chooser.rms:.3f}; "
+                f"{p.fixed.method} {p.fixed.ns:.1f} ns, rms {p.fixed.rms:.3f}: {p.ratio:.2f}"
+            )
         return lines
 
     def missing(self) -> list[str]:

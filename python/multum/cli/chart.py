@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> None:
             tell=bar.step,
         )
     print("; ".join(f"{k}: {v}" for k, v in made.about.items()), end="\n\n")
-    for lines in (made.table(), made.domination(), made.missing()):
+    for lines in (made.table(), made.domination(), made.economy(), made.missing()):
         print("\n".join(lines), end="\n\n" if lines else "")
     for name in ("chart.png", "index.html", "chart.json", "chart.csv", "dominated.csv"):
         print(Path(options.out) / name)
