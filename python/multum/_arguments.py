@@ -8,8 +8,6 @@ from typing import Any, SupportsFloat, SupportsIndex, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _multum
-
 
 def wrap_pair(wrap: str | Sequence[str]) -> tuple[str, str]:
     """The wrap modes of the two axes; one word stands for both."""
@@ -133,24 +131,3 @@ def side_or_size(value: SupportsIndex | Sequence[SupportsIndex]) -> tuple[int, i
     if isinstance(value, Sequence):
         return image_size(value)
     return image_size((value, value))
-
-
-def sampling(
-    filter: str,
-    max_anisotropy: SupportsFloat | None,
-    lod_bias: float = 0.0,
-    lod_rule: str = "major",
-    tolerance: float | None = None,
-    seed: int | None = None,
-    threads: int | None = None,
-) -> _multum.Sampling:
-    """A filter and its options, checked; None stands for no limit and for defaults."""
-    return _multum.Sampling(
-        name("filter", filter),
-        np.inf if max_anisotropy is None else number("max_anisotropy", max_anisotropy),
-        number("lod_bias", lod_bias),
-        name("lod_rule", lod_rule),
-        number("tolerance", tolerance),
-        count("seed", seed, least=0, most=2**64 - 1) or 0,
-        count("threads", threads),
-    )

@@ -12,20 +12,20 @@ from ._arguments import count, name, number
 def sampling(
     filter: str,
     max_anisotropy: SupportsFloat | None,
-    lod_bias: float,
-    lod_rule: str,
-    tolerance: float | None,
-    seed: int | None,
-    threads: int | None,
+    lod_bias: float = 0.0,
+    lod_rule: str = "major",
+    tolerance: float | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
 ) -> _multum.Sampling:
-    """A filter with its options."""
+    """A filter and its options, checked; None stands for no limit and for defaults."""
     return _multum.Sampling(
         name("filter", filter),
         np.inf if max_anisotropy is None else number("max_anisotropy", max_anisotropy),
         number("lod_bias", lod_bias),
         name("lod_rule", lod_rule),
         number("tolerance", tolerance),
-        (count("seed", seed, least=0, most=2**64 - 1) or 0),
+        count("seed", seed, least=0, most=2**64 - 1) or 0,
         count("threads", threads),
     )
 

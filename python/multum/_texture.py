@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _multum
-from ._arguments import broadcast, count, name, number, numbers, sampling, wrap_pair
+from ._arguments import broadcast, count, name, number, numbers, wrap_pair
 from ._files import read_image
 from ._sampling import sampling
 from ._survey import Survey

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _multum
-from ._arguments import name, numbers, sampling, size_pair, wrap_pair
+from ._arguments import name, numbers, size_pair, wrap_pair
+from ._sampling import sampling
 from ._survey import Survey
 
 Border = float | Sequence[float] | NDArray[Any]

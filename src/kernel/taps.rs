@@ -131,7 +131,7 @@ mod tests {
     #[test]
     fn sums_are_equal_on_every_instruction_set() {
         for seed in 0..200u32 {
-            let byte = |i: u32| ((seed * 2_654_435_761).wrapping_add(i * 40_503) >> 7) as u8;
+            let byte = |i: u32| (seed.wrapping_mul(2_654_435_761).wrapping_add(i * 40_503) >> 7) as u8;
             let upper: [u8; 8] = std::array::from_fn(|i| byte(i as u32));
             let lower: [u8; 8] = std::array::from_fn(|i| byte(i as u32 + 8));
             let w: [i32; 4] = std::array::from_fn(|i| i32::from(byte(i as u32 + 16)) * 32);

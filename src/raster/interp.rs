@@ -166,7 +166,7 @@ impl Planes {
         out: &mut [[f64; 2]],
         jacobian: &mut [[f64; 4]],
     ) {
-        if x.is_empty() || !(self.holds(x.start, y) && (x.len() == 1 || self.holds(x.end - 1, y))) {
+        if !self.hold(&x, y) {
             let [v0, v1, v2] = corners();
             for ((x, out), jacobian) in x.zip(out).zip(jacobian) {
                 let Weights { b, db: [d1, d2] } = self.at(x, y);
@@ -194,14 +194,28 @@ impl Planes {
         }
     }
 
-    /// Whether all weights at a pixel are positive numbers, none of them cut off. Where they are at two pixels of a row,
-    /// they are between them.
+    /// Whether all weights are positive numbers, none of them cut off, at the pixels `x` of row `y`: the a_i have one sign at
+    /// the first and the last of them, and so they have between.
     #[inline(always)]
-    fn holds(&self, x: usize, y: usize) -> bool {
+    fn hold(&self, x: &Range<usize>, y: usize) -> bool {
+        if x.is_empty() {
+            return false;
+        }
+        let first = self.sign(x.start, y);
+        first != 0.0 && (x.len() == 1 || self.sign(x.end - 1, y) == first)
+    }
+
+    /// The sign that all a_i at a pixel have; 0 where they have not, or where nothing can be divided by their sum.
+    #[inline(always)]
+    fn sign(&self, x: usize, y: usize) -> f64 {
         let a = self.a(x, y);
         let sum = a[0] + a[1] + a[2];
         let all = |sign: f64| a.iter().all(|a| sign * a >= 0.0) && sign * sum >= f64::MIN_POSITIVE;
-        (all(1.0) || all(-1.0)) && sum.is_finite()
+        match sum.is_finite() {
+            true if all(1.0) => 1.0,
+            true if all(-1.0) => -1.0,
+            _ => 0.0,
+        }
     }
 }
 
@@ -415,7 +429,7 @@ mod tests {
             let planes = Planes::new(corners, about, (40, 30));
             let (mut got, mut jacobian) = (vec![[0.0; 2]; count], vec![[0.0; 4]; count]);
             planes.fill(&planes.pair(pairs), || pairs, x.clone(), y, &mut got, &mut jacobian);
-            let inner = x.clone().all(|x| planes.holds(x, y));
+            let inner = planes.hold(&x, y);
             (quick, cut) = (quick + usize::from(inner), cut + usize::from(!inner));
             for ((x, got), jacobian) in x.zip(got).zip(jacobian) {
                 let Weights { b, db } = planes.at(x, y);

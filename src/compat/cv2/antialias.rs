@@ -113,7 +113,7 @@ impl<'a> Plan<'a> {
     ) -> Result<(Vec<Part>, Vec<Part>)> {
         let mut found: Vec<(Vec<Part>, Vec<Part>)> = rows.clone().map(|_| Default::default()).collect();
         let tile = (TILE / self.width).max(1);
-        par::for_each(found.chunks_mut(tile), |i, found| {
+        par::for_pixels(self.width * rows.len(), found.chunks_mut(tile), |i, found| {
             for (row, (full, partly)) in (rows.start + i * tile..).zip(found) {
                 for column in self.columns(row) {
                     let at = row * self.width + column;

@@ -316,7 +316,8 @@ mod tests {
                 convert(&fixed, Target::Pairs(&mut back)).unwrap();
                 for i in 0..n {
                     assert_eq!([back_x[i], back_y[i]], [back[2 * i], back[2 * i + 1]]);
-                    assert!((f64::from(back_x[i]) - x[i]).abs() < 1.0 / 64.0 + 0.01);
+                    let fits = x[i].abs() < 32_767.0;
+                    assert!(!fits || (f64::from(back_x[i]) - x[i]).abs() < 1.0 / 64.0 + 0.01);
                 }
                 convert(&map, Target::Fixed(&mut whole, None)).unwrap();
                 let nearest = |v: f64| {

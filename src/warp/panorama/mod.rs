@@ -108,7 +108,7 @@ pub fn convert(
     let map = target.mapping("size", size[0], size[1])?;
     let target = Target { form: target, map: &*map, size, rotation };
     for_any!(AnyView, image, view => {
-        let out = typed(view, image, source, target, options)?;
+        let out = par::alone_below(size[0] * size[1], || typed(view, image, source, target, options))?;
         Image::new(size[0], size[1], channels, out)
     })
 }
