@@ -26,6 +26,10 @@ use crate::wrap::Wrap;
 pub(super) const TARGET: f64 = 1.0 / 255.0;
 /// Trilinear's constant.
 const TRILINEAR: f32 = 0.26;
+/// Octaves below that level, at most: 28 texels in the smaller height, whatever the contrast, so that what a pixel costs is
+/// bounded where numbers are large. The contrast of 8 bits never asks for as much.
+const FINER: f32 = 3.5;
+
 /// How a footprint is to be read.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Choice {
@@ -73,7 +77,7 @@ pub(super) fn choose<T: Texel, D: Decode<T>>(
     let level = if most > 0.0 {
         // Level l will do where log2 V(l - 1) + 3 l is below this.
         let enough = shape.room + 2.0 * log2(target);
-        coarsest(&variance, enough, shape.sure, most)
+        coarsest(&variance, enough, shape.sure, most).max(shape.sure - FINER).min(most)
     } else {
         0.0
     };
