@@ -9,7 +9,7 @@ use crate::kernel::{Isa, Work, compiled_for};
 /// and column the picture is mirrored about them, the last ones go on; what lies beyond twice the size repeats.
 ///
 /// # Errors
-/// [`Error::Value`] where a side of `size` is neither twice the picture's side nor odd and next to that; for
+/// [`Error::Value`](crate::Error::Value) where a side of `size` is neither twice the picture's side nor odd and next to that; for
 /// `out` of another size.
 pub fn up<T: Element>(src: Rows<'_, T>, size: [usize; 2], out: &mut [T]) -> Result<()> {
     checked([src.width, src.height], size, up_fits, "twice each side, or an odd number next to it")?;
